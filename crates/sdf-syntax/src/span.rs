@@ -1,0 +1,74 @@
+//! Where something stands in the source: a file and a range of bytes.
+
+/// A file of one compilation: an index into [`Sources`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct FileId(pub u16);
+
+/// A range of bytes in one file. `start <= end`; both lie on character boundaries of a valid file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct Span {
+    /// The file.
+    pub file: FileId,
+    /// The first byte.
+    pub start: u32,
+    /// The byte after the last.
+    pub end: u32,
+}
+
+impl Span {
+    /// The span of the bytes `start..end`; a reversed range becomes empty.
+    pub fn new(file: FileId, start: usize, end: usize) -> Span {
+        let start = start.min(u32::MAX as usize) as u32;
+        let end = end.min(u32::MAX as usize) as u32;
+        Span { file, start, end: end.max(start) }
+    }
+
+    /// The smallest span that holds both. Both must lie in the same file; else the first is returned.
+    pub fn to(self, other: Span) -> Span {
+        if self.file != other.file {
+            return self;
+        }
+        Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// One file: the name that messages show, and its text.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// The name as the user gave it, or `<name>` for a file of the library.
+    pub name: String,
+    /// The text, without a byte order mark.
+    pub text: String,
+}
+
+/// All files of one compilation.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    files: Vec<Source>,
+}
+
+impl Sources {
+    /// Adds a file.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
+        self.files.push(Source { name: name.into(), text: text.into() });
+        FileId((self.files.len() - 1) as u16)
+    }
+
+    /// The file, or `None` where `id` belongs to another compilation.
+    pub fn get(&self, id: FileId) -> Option<&Source> {
+        self.files.get(id.0 as usize)
+    }
+
+    /// The line and column of a byte, both from 1; the column counts characters.
+    pub fn line_column(&self, file: FileId, byte: u32) -> (usize, usize) {
+        let text = self.get(file).map_or("", |s| s.text.as_str());
+        let mut end = (byte as usize).min(text.len());
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let before = &text[..end];
+        let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
+        let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
+        (line, column)
+    }
+}

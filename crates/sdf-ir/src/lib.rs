@@ -1,1 +1,19 @@
-//! To be written.
+//! The program: a small typed SSA form of signed distance functions and the renderer round them, how it is
+//! built, checked, simplified, differentiated and evaluated.
+//!
+//! The typical way is `Builder → Function → Program → verify → simplify → eval`. Nothing here knows syntax,
+//! the names of shapes, files or graphics drivers.
+#![warn(missing_docs)]
+
+pub mod build;
+pub mod constant;
+pub mod number;
+pub mod program;
+mod rules;
+
+pub use build::Builder;
+pub use constant::Constant;
+pub use program::{
+    Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
+    Type, Unary, Uniform, Value,
+};

@@ -1,0 +1,352 @@
+//! Building a function: hash-consed nodes, folded and simplified as they are made.
+//!
+//! Every operation goes through [`rules`](crate::rules) first, so a function is never worse than its text. A node
+//! made inside an `If` or a `Loop` is shared there and in the regions inside; one made outside is shared by all.
+
+use crate::constant::Constant;
+use crate::program::{
+    Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Ternary, Type, Unary, Value,
+};
+use crate::rules;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A function under construction.
+pub struct Builder {
+    function: Function,
+    leaves: HashMap<Node, Value>,
+    scopes: Vec<(RegionId, HashMap<Node, Value>)>,
+    interned: HashMap<Vec<Value>, List>,
+}
+
+impl Builder {
+    /// A function with these parameters and nothing in it.
+    pub fn new(name: impl Into<Arc<str>>, parameters: Vec<Parameter>) -> Builder {
+        let root = Region { arguments: parameters.iter().map(|p| p.ty).collect(), ..Region::default() };
+        let function = Function {
+            name: name.into(),
+            line: None,
+            parameters,
+            result_names: Vec::new(),
+            nodes: Vec::new(),
+            types: Vec::new(),
+            names: Vec::new(),
+            regions: vec![root],
+            lists: Vec::new(),
+        };
+        Builder {
+            function,
+            leaves: HashMap::new(),
+            scopes: vec![(RegionId::ROOT, HashMap::new())],
+            interned: HashMap::new(),
+        }
+    }
+
+    /// The function so far.
+    pub fn function(&self) -> &Function {
+        &self.function
+    }
+
+    /// The line of the source that the function comes from.
+    pub fn set_line(&mut self, line: Option<u32>) {
+        self.function.line = line;
+    }
+
+    /// Adds a parameter and returns it.
+    pub fn add_parameter(&mut self, parameter: Parameter) -> Value {
+        let index = self.function.parameters.len() as u16;
+        self.function.regions[0].arguments.push(parameter.ty);
+        self.function.parameters.push(parameter);
+        self.argument(RegionId::ROOT, index)
+    }
+
+    /// The function with these results. Every region that was opened must have been closed.
+    pub fn finish(mut self, results: Vec<(Value, Arc<str>)>) -> Function {
+        assert_eq!(self.scopes.len(), 1, "a region is still open");
+        for (value, name) in results {
+            self.function.regions[0].results.push(value);
+            self.function.result_names.push(name);
+        }
+        self.function
+    }
+
+    /// The type of a value that is no tuple.
+    pub fn ty(&self, value: Value) -> Type {
+        self.function.type_of(value).expect("a tuple has no type")
+    }
+
+    /// The node of a value.
+    pub fn node(&self, value: Value) -> Node {
+        self.function.node(value)
+    }
+
+    /// Gives a value the name that the source has for it, unless it has one. Leaves keep theirs.
+    pub fn name(&mut self, value: Value, name: &Arc<str>) {
+        let slot = &mut self.function.names[value.0 as usize];
+        if slot.is_none() {
+            *slot = Some(name.clone());
+        }
+    }
+
+    /// The constant that a value is, vectors of constants included.
+    pub fn constant_of(&self, value: Value) -> Option<Constant> {
+        let float = |v| match self.node(v) {
+            Node::Float(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        };
+        match self.node(value) {
+            Node::Float(bits) => Some(Constant::Float(f64::from_bits(bits))),
+            Node::Bool(b) => Some(Constant::Bool(b)),
+            Node::Compose2(x, y) => Some(Constant::Vec2([float(x)?, float(y)?])),
+            Node::Compose3(x, y, z) => Some(Constant::Vec3([float(x)?, float(y)?, float(z)?])),
+            _ => None,
+        }
+    }
+
+    // ---- leaves
+
+    /// A number.
+    pub fn float(&mut self, x: f64) -> Value {
+        self.leaf(Node::Float(x.to_bits()), Type::Float)
+    }
+
+    /// A truth value.
+    pub fn bool(&mut self, x: bool) -> Value {
+        self.leaf(Node::Bool(x), Type::Bool)
+    }
+
+    /// A constant.
+    pub fn constant(&mut self, c: Constant) -> Value {
+        match c {
+            Constant::Bool(b) => self.bool(b),
+            Constant::Float(x) => self.float(x),
+            Constant::Vec2(v) => {
+                let parts = v.map(|x| self.float(x));
+                self.compose(&parts)
+            }
+            Constant::Vec3(v) => {
+                let parts = v.map(|x| self.float(x));
+                self.compose(&parts)
+            }
+        }
+    }
+
+    /// An argument of an open region, or a parameter (`RegionId::ROOT`).
+    pub fn argument(&mut self, region: RegionId, index: u16) -> Value {
+        let ty = self.function.region(region).arguments[index as usize];
+        self.leaf(Node::Argument(region, index), ty)
+    }
+
+    /// A uniform of the program.
+    pub fn uniform(&mut self, index: u16, ty: Type) -> Value {
+        self.leaf(Node::Uniform(index), ty)
+    }
+
+    /// A value of the frame.
+    pub fn global(&mut self, index: u16, ty: Type) -> Value {
+        self.leaf(Node::Global(index), ty)
+    }
+
+    fn leaf(&mut self, node: Node, ty: Type) -> Value {
+        if let Some(v) = self.leaves.get(&node) {
+            return *v;
+        }
+        let value = self.new_node(node, Some(ty));
+        self.leaves.insert(node, value);
+        value
+    }
+
+    // ---- operations
+
+    /// An operation on one value.
+    pub fn unary(&mut self, op: Unary, a: Value) -> Value {
+        if let Some(v) = rules::unary(self, op, a) {
+            return v;
+        }
+        let ty = match op {
+            Unary::Not => Type::Bool,
+            Unary::Length | Unary::Hash => Type::Float,
+            Unary::ReduceAngle => Type::Vec2,
+            _ => self.ty(a),
+        };
+        self.push(Node::Unary(op, a), Some(ty))
+    }
+
+    /// An operation on two values.
+    pub fn binary(&mut self, op: Binary, a: Value, b: Value) -> Value {
+        if let Some(v) = rules::binary(self, op, a, b) {
+            return v;
+        }
+        let ty = match op {
+            Binary::Dot => Type::Float,
+            Binary::Less | Binary::LessEqual | Binary::Equal | Binary::And | Binary::Or => Type::Bool,
+            _ => self.ty(a).max(self.ty(b)),
+        };
+        self.push(Node::Binary(op, a, b), Some(ty))
+    }
+
+    /// An operation on three values.
+    pub fn ternary(&mut self, op: Ternary, a: Value, b: Value, c: Value) -> Value {
+        if let Some(v) = rules::ternary(self, op, a, b, c) {
+            return v;
+        }
+        let ty = self.ty(b);
+        self.push(Node::Ternary(op, a, b, c), Some(ty))
+    }
+
+    /// `a + b`
+    pub fn add(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Add, a, b)
+    }
+
+    /// `a - b`
+    pub fn sub(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Subtract, a, b)
+    }
+
+    /// `a * b`
+    pub fn mul(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Multiply, a, b)
+    }
+
+    /// `a / b`
+    pub fn div(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Divide, a, b)
+    }
+
+    /// `min(a, b)`
+    pub fn min(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Min, a, b)
+    }
+
+    /// `max(a, b)`
+    pub fn max(&mut self, a: Value, b: Value) -> Value {
+        self.binary(Binary::Max, a, b)
+    }
+
+    /// `-a`
+    pub fn neg(&mut self, a: Value) -> Value {
+        self.unary(Unary::Negate, a)
+    }
+
+    /// `if c then a else b`
+    pub fn select(&mut self, c: Value, a: Value, b: Value) -> Value {
+        self.ternary(Ternary::Select, c, a, b)
+    }
+
+    /// The float or vector of one to three floats.
+    pub fn compose(&mut self, parts: &[Value]) -> Value {
+        if let Some(v) = rules::compose(self, parts) {
+            return v;
+        }
+        match *parts {
+            [x] => x,
+            [x, y] => self.push(Node::Compose2(x, y), Some(Type::Vec2)),
+            [x, y, z] => self.push(Node::Compose3(x, y, z), Some(Type::Vec3)),
+            _ => panic!("no vector has {} components", parts.len()),
+        }
+    }
+
+    /// The vector of `ty` whose components are all `a`, or `a` itself where it has that type.
+    pub fn splat(&mut self, a: Value, ty: Type) -> Value {
+        if self.ty(a) == ty {
+            return a;
+        }
+        self.compose(&vec![a; ty.size()])
+    }
+
+    /// A component of a vector, from 0; a float is its own component.
+    pub fn component(&mut self, a: Value, index: usize) -> Value {
+        if !self.ty(a).is_vector() {
+            return a;
+        }
+        match self.node(a) {
+            // (x, y).x == x
+            Node::Compose2(x, y) => [x, y][index],
+            Node::Compose3(x, y, z) => [x, y, z][index],
+            _ => self.push(Node::Component(a, index as u8), Some(Type::Float)),
+        }
+    }
+
+    /// All components of a value.
+    pub fn components(&mut self, a: Value) -> Vec<Value> {
+        (0..self.ty(a).size()).map(|i| self.component(a, i)).collect()
+    }
+
+    /// A call of a function with results of these types.
+    pub fn call(&mut self, callee: FunctionId, results: &[Type], arguments: &[Value]) -> Vec<Value> {
+        let list = self.list(arguments);
+        self.push_tuple(Node::Call(callee, list), results)
+    }
+
+    // ---- regions
+
+    /// Opens a region; what is made from now on belongs to it, until it is closed.
+    pub fn open_region(&mut self, arguments: &[Type]) -> RegionId {
+        let id = RegionId(self.function.regions.len() as u32);
+        self.function.regions.push(Region { arguments: arguments.to_vec(), ..Region::default() });
+        self.scopes.push((id, HashMap::new()));
+        id
+    }
+
+    /// Closes the region that was opened last.
+    pub fn close_region(&mut self, results: Vec<Value>) -> RegionId {
+        assert!(self.scopes.len() > 1, "no region is open");
+        let (id, _) = self.scopes.pop().expect("a scope");
+        self.function.regions[id.0 as usize].results = results;
+        id
+    }
+
+    /// `if condition` the results of the region `then`, else those of `otherwise`. Both must be closed.
+    pub fn branch(&mut self, condition: Value, then: RegionId, otherwise: RegionId) -> Vec<Value> {
+        let types: Vec<Type> = self.function.region(then).results.iter().map(|v| self.ty(*v)).collect();
+        self.push_tuple(Node::If(condition, then, otherwise), &types)
+    }
+
+    /// A loop; see [`Loop`]. Both regions must be closed.
+    pub fn repeat(&mut self, count: u32, initial: &[Value], until: RegionId, next: RegionId) -> Vec<Value> {
+        let types: Vec<Type> = initial.iter().map(|v| self.ty(*v)).collect();
+        let initial = self.list(initial);
+        self.push_tuple(Node::Loop(Loop { count, initial, until, next }), &types)
+    }
+
+    // ---- nodes
+
+    fn list(&mut self, values: &[Value]) -> List {
+        if let Some(list) = self.interned.get(values) {
+            return *list;
+        }
+        let list = List { start: self.function.lists.len() as u32, len: values.len() as u32 };
+        self.function.lists.extend_from_slice(values);
+        self.interned.insert(values.to_vec(), list);
+        list
+    }
+
+    fn push_tuple(&mut self, node: Node, types: &[Type]) -> Vec<Value> {
+        if let [ty] = *types {
+            return vec![self.push(node, Some(ty))];
+        }
+        let tuple = self.push(node, None);
+        types.iter().enumerate().map(|(i, ty)| self.push(Node::Result(tuple, i as u16), Some(*ty))).collect()
+    }
+
+    /// The node, shared with an equal one where that is in scope. Used by the rules, which have nothing left to do.
+    pub(crate) fn push(&mut self, node: Node, ty: Option<Type>) -> Value {
+        if let Some(v) = self.scopes.iter().rev().find_map(|(_, table)| table.get(&node)) {
+            return *v;
+        }
+        let value = self.new_node(node, ty);
+        let (region, table) = self.scopes.last_mut().expect("the root is always open");
+        table.insert(node, value);
+        self.function.regions[region.0 as usize].body.push(value);
+        value
+    }
+
+    fn new_node(&mut self, node: Node, ty: Option<Type>) -> Value {
+        let value = Value(self.function.nodes.len() as u32);
+        self.function.nodes.push(node);
+        self.function.types.push(ty);
+        self.function.names.push(None);
+        value
+    }
+}

@@ -5,6 +5,7 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod bits;
 pub mod build;
 pub mod constant;
 pub mod number;

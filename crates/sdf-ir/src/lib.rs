@@ -8,6 +8,7 @@
 pub mod bits;
 pub mod build;
 pub mod constant;
+pub mod eval;
 pub mod number;
 pub mod program;
 mod rules;

@@ -14,6 +14,7 @@ pub mod eval;
 pub mod number;
 pub mod program;
 mod rules;
+pub mod total;
 pub mod verify;
 
 pub use build::Builder;
@@ -23,4 +24,5 @@ pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use total::legalise;
 pub use verify::verify;

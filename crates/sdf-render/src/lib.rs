@@ -1,9 +1,12 @@
 //! Programs to pictures.
 //!
-//! The typical way is `Program → Frame → Picture`: on the CPU by the interpreter, on the GPU by the text
+//! The typical way is `Program → Frame → Picture`: on the CPU by the interpreter ([`cpu`]), on the GPU by the text
 //! that the emitter writes. Nothing here knows syntax or the names of shapes.
 #![warn(missing_docs)]
 
+pub mod cpu;
 pub mod frame;
+pub mod image;
 
 pub use frame::Frame;
+pub use image::Picture;

@@ -397,15 +397,16 @@ pub fn foreign_name(name: &str) -> Option<&'static str> {
 
 fn mismatch(around: &Around, expected: Expectations, span: Span) -> Diagnostic {
     let found = found_words(around.found);
-    let span = around.found.map_or(span, |(_, token)| token);
-    let mut message = match expected.words().as_str() {
+    let message = match expected.words().as_str() {
         "" => format!("{found} does not fit here"),
+        "an item" if around.same_line => format!("expected an operator or an item, found {found}"),
         words => format!("expected {words}, found {found}"),
     };
-    if around.found.is_some_and(|(token, _)| token == Token::Semicolon) && expected.words().is_empty() {
-        message = "`;` stands only after an item or a `let`".to_string();
-    }
-    let diagnostic = Diagnostic::new(Code::E007, span, message);
+    let diagnostic = match (around.outside, around.last, around.found) {
+        (true, Some((_, last)), _) => Diagnostic::new(Code::E007, last, message).label("expected after this"),
+        (_, _, Some((_, found))) => Diagnostic::new(Code::E007, found, message),
+        _ => Diagnostic::new(Code::E007, span, message),
+    };
     match help_for(around, expected) {
         Some(help) => diagnostic.help(help),
         None => diagnostic,
@@ -414,16 +415,26 @@ fn mismatch(around: &Around, expected: Expectations, span: Span) -> Diagnostic {
 
 /// What can be said about a mismatch that has no message of its own.
 fn help_for(around: &Around, expected: Expectations) -> Option<String> {
+    let found = around.found.map(|(token, _)| token);
+    if expected.has(Expected::Item) && around.same_line {
+        return None;
+    }
+    if expected.has(Expected::Text) {
+        return Some("write the path in quotes: `import \"file.sdf\"`".to_string());
+    }
+    if found == Some(Token::Semicolon) && expected.has(Expected::Comma) {
+        return Some("write `,`".to_string());
+    }
+    if found == Some(Token::Comma) && expected.has(Expected::CloseBrace) {
+        return Some("a block has one value; a list is written `[a, b]`".to_string());
+    }
     if expected.has(Expected::Item) {
         return Some(SHAPES_STAND.to_string());
     }
-    if let (Some((Token::Name(word @ ("light" | "material")), _)), Some((Token::OpenBrace, _))) =
-        (around.last, around.found)
+    if let (Some((Token::Name(word @ ("light" | "material")), _)), Some(Token::OpenBrace)) =
+        (around.last, found)
     {
         return Some(format!("a {word} has a name: `{word} a {{ … }}`"));
-    }
-    if expected.has(Expected::Else) {
-        return Some("every `if` has a value, so it needs an `else`".to_string());
     }
     None
 }

@@ -118,14 +118,15 @@ impl<'t> Walk<'_, 't> {
 
     fn step(&mut self, place: usize) {
         let (token, span) = self.tokens[place];
+        if token == Token::Let && self.lets_are_impossible(place) {
+            self.close_while(span, "this `let`", |open| open != Token::OpenBrace);
+        }
         if self.begins_item(place) {
             self.close_all(span, "the next item");
             if !self.in_attributes {
                 self.finish_item();
             }
             self.in_attributes = token == Token::At;
-        } else if token == Token::Let && self.lets_are_impossible() {
-            self.close_while(span, "this `let`", |open| open != Token::OpenBrace);
         }
         if token.partner().is_some() {
             self.push_bracket(place);
@@ -159,30 +160,33 @@ impl<'t> Walk<'_, 't> {
         if inside && (!self.begins_line(span) || token == Token::Let) {
             return false;
         }
+        let next = self.token(place + 1);
+        let free = previous.is_none_or(|p| p.ends_expression() || p == Token::Semicolon);
+        let first = self.begins_line(span);
         match token {
-            Token::At => true,
+            Token::At => free || first,
+            Token::Import | Token::Param | Token::Let | Token::Fn if next == Some(Token::OpenBrace) => false,
             Token::Import | Token::Param | Token::Let | Token::Fn => match previous {
                 Some(Token::Let | Token::Param | Token::Fn) => {
-                    !matches!(self.token(place + 1), Some(Token::Assign | Token::OpenParen | Token::Colon))
+                    !matches!(next, Some(Token::Assign | Token::OpenParen | Token::Colon))
                 }
-                Some(Token::Dot) => false,
+                Some(Token::Dot) => first,
                 Some(Token::Colon) => !inside,
                 _ => true,
             },
             Token::Name(name) => {
-                let shape = matches!(
-                    (self.token(place + 1), self.token(place + 2)),
-                    (Some(Token::OpenBrace), _) | (Some(Token::Name(_)), Some(Token::OpenBrace))
-                );
-                let two_words =
-                    self.begins_line(span) && matches!(self.token(place + 1), Some(Token::Name(_)));
-                let free = previous.is_none_or(|p| p.ends_expression() || p == Token::Semicolon);
-                let alike = if inside {
-                    ITEM_WORDS.contains(&name) && shape
+                let known = ITEM_WORDS.contains(&name);
+                let named = next.is_some_and(|t| matches!(t, Token::Name(_)) || t.keyword().is_some())
+                    && self.token(place + 2) == Some(Token::OpenBrace);
+                let shape = named || next == Some(Token::OpenBrace);
+                if inside {
+                    free && known && shape
+                } else if free {
+                    let words = shape || matches!(next, Some(Token::Name(_)));
+                    (known && shape && !self.names_item()) || (first && words)
                 } else {
-                    two_words || (shape && !self.names_item())
-                };
-                free && alike
+                    first && known && shape && (named || name != "material")
+                }
             }
             _ => false,
         }
@@ -198,9 +202,10 @@ impl<'t> Walk<'_, 't> {
         before.last().is_none_or(|byte| *byte == b'\n') || before == [0xef, 0xbb, 0xbf]
     }
 
-    /// Parentheses and brackets hold no `let`.
-    fn lets_are_impossible(&self) -> bool {
-        self.open.last().is_some_and(|open| open.token != Token::OpenBrace)
+    /// Whether the `let` at `place` is a binding and stands where none can: in parentheses or brackets.
+    fn lets_are_impossible(&self, place: usize) -> bool {
+        let binds = matches!(self.token(place + 1), Some(Token::Name(_)));
+        binds && self.open.last().is_some_and(|open| open.token != Token::OpenBrace)
     }
 
     fn finish_item(&mut self) {
@@ -241,7 +246,7 @@ impl<'t> Walk<'_, 't> {
         let (token, span) = self.tokens[place];
         let fits = |open: &Open| open.token.partner() == Some(token);
         let Some(top) = self.open.last() else {
-            return self.report(spare(span, token));
+            return self.report_spare(span, token);
         };
         if fits(top) {
             self.pop(span);
@@ -255,7 +260,7 @@ impl<'t> Walk<'_, 't> {
             let opener = top.span;
             let next_fits = self.token(place + 1) == Some(partner);
             if next_fits {
-                return self.report(spare(span, token));
+                return self.report_spare(span, token);
             }
             self.report(mistaken(span, token, partner, opener));
             self.pop(span);
@@ -307,11 +312,19 @@ impl<'t> Walk<'_, 't> {
         }
     }
 
+    /// Reports a bracket, and marks the item from there on as mended.
     fn report(&mut self, diagnostic: Diagnostic) {
         let start = diagnostic.span.start;
         self.mended = Some(self.mended.map_or(start, |first| first.min(start)));
         if !self.too_deep {
             self.out.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Reports a bracket that closes nothing, unless that is likely due to another mistake in the item.
+    fn report_spare(&mut self, span: Span, token: Token) {
+        if self.mended.is_none() {
+            self.report(spare(span, token));
         }
     }
 

@@ -61,7 +61,7 @@ fn items(file: FileId, text: &str, lexed: &Lexed, outlined: &Outline) -> (Vec<It
             item.docs = docs(lexed, slice[0].1.start, item.span.start);
             items.push(item);
         }
-        for mistake in mistakes.into_iter().take(DIAGNOSTIC_LIMIT) {
+        for mistake in mistakes.into_iter().take(DIAGNOSTIC_LIMIT + 1) {
             if !follows_from_another(&mistake, lexed, *mended) {
                 diagnostics.push(mistake::explain(mistake, &lexed.tokens, text));
             }

@@ -127,6 +127,7 @@ fn parameter<'t>(default: Rule<'t, Expr>) -> Rule<'t, Option<Parameter>> {
         .boxed()
 }
 
+/// `TYPE = "float" | "vec2" | "vec3" | "bool" | "shape" | "shape2" | "material" | "list" | "fn"`
 fn type_name<'t>() -> Rule<'t, TypeName> {
     let kind = select! {
         Token::Name("float") => TypeKind::Float,
@@ -202,6 +203,8 @@ fn record<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Record> {
 /// `expr = lambda | operators`
 ///
 /// `operators = unary (INFIX unary)*`
+///
+/// `INFIX = "*" | "/" | "%" | "+" | "-" | "&" | "|" | "<" | "<=" | ">" | ">=" | "==" | "!=" | "&&" | "||" | ".."`
 pub(crate) fn expr<'t>() -> Rule<'t, Expr> {
     recursive(|expr| {
         let expr = expr.boxed();
@@ -210,7 +213,7 @@ pub(crate) fn expr<'t>() -> Rule<'t, Expr> {
     .boxed()
 }
 
-/// `sum = unary (SUM unary)*`
+/// `sum = unary (("*" | "/" | "%" | "+" | "-") unary)*`
 fn sum<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     operators(expr, SUM).labelled(Expected::Expression).boxed()
 }
@@ -509,7 +512,7 @@ fn if_expr<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
         .then(branch.clone())
         .repeated()
         .collect::<Vec<(Span, (Expr, Block))>>();
-    let otherwise = just(Token::Else).ignore_then(block).map(Some).or(empty().to(None));
+    let otherwise = just(Token::Else).ignore_then(block).map(Some).or(just(Token::Else).not().to(None));
     just(Token::If)
         .ignore_then(branch)
         .then(more)

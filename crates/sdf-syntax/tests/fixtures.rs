@@ -1,7 +1,7 @@
 //! Sources with what must come of them. A fixture is a source, the line `// expect`, and the expectation as
 //! comments: the tree, or the diagnostics. `UPDATE_FIXTURES=1 cargo test` writes the expectations anew.
 
-use sdf_syntax::{Code, Diagnostic, FileId, Source, Sources, dump, parse};
+use sdf_syntax::{Code, Diagnostic, FileId, Source, Sources, dump, foreign_name, parse};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -118,4 +118,16 @@ fn thirty_mistakes_make_thirty_messages() {
         assert!((start..end).contains(&(d.span.start as usize)), "{d:?} not in {start}..{end}");
     }
     assert_eq!(diagnostics.len(), 30);
+}
+
+#[test]
+fn names_of_other_languages_have_an_answer() {
+    for name in
+        "mod iTime iMouse iResolution vec2 vec3 vec4 float lerp saturate atan2 PI TAU opUnion".split(' ')
+    {
+        assert!(foreign_name(name).is_some(), "{name}");
+    }
+    for name in "mix fract sphere pi tau time mouse clamp".split(' ') {
+        assert_eq!(foreign_name(name), None, "{name}");
+    }
 }

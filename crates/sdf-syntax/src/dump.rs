@@ -1,7 +1,6 @@
 //! Tokens and trees as text, for `--emit tokens`, `--emit ast` and tests. The tree is written as lists in
 //! parentheses, the first word of each saying what it is.
 
-use crate::mistake::symbol;
 use crate::span::FileId;
 use crate::token::{Token, lex};
 use crate::tree::*;
@@ -26,7 +25,7 @@ fn token_text(token: Token) -> String {
         Token::Number(value) => format!("number {value}"),
         Token::Color(c) => format!("colour {}", color(c)),
         Token::Text(text) => format!("text {text:?}"),
-        other => symbol(other).to_string(),
+        other => other.symbol().to_string(),
     }
 }
 

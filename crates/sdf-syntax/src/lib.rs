@@ -8,6 +8,7 @@
 pub mod code;
 pub mod diagnostic;
 pub mod dump;
+mod foreign;
 mod mistake;
 pub mod outline;
 mod parse;
@@ -18,6 +19,6 @@ pub mod tree;
 
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Severity, did_you_mean};
-pub use mistake::foreign_name;
+pub use foreign::foreign_name;
 pub use parse::{DIAGNOSTIC_LIMIT, FILE_LIMIT, decode, parse};
 pub use span::{FileId, Source, Sources, Span};

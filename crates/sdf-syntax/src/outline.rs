@@ -38,7 +38,8 @@ pub struct Piece {
     pub mended: Option<u32>,
 }
 
-/// Matches brackets, checks the nesting and finds the items.
+/// Matches brackets, checks the nesting and finds the items. Where the tokens are `cut_off`, by a comment that
+/// does not end, brackets that are open at the end are no mistake.
 pub fn outline<'t>(text: &str, file: FileId, tokens: &[Spanned<'t>], cut_off: bool) -> Outline<'t> {
     let mut walk = Walk {
         text,

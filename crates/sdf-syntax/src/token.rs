@@ -189,6 +189,44 @@ impl<'t> Token<'t> {
         Some(RESERVED[place])
     }
 
+    /// The token as written, where it always is the same; else nothing.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Token::OpenParen => "(",
+            Token::CloseParen => ")",
+            Token::OpenBracket => "[",
+            Token::CloseBracket => "]",
+            Token::OpenBrace => "{",
+            Token::CloseBrace => "}",
+            Token::Comma => ",",
+            Token::Semicolon => ";",
+            Token::Colon => ":",
+            Token::Dot => ".",
+            Token::DotDot => "..",
+            Token::Ellipsis => "...",
+            Token::Assign => "=",
+            Token::Plus => "+",
+            Token::Minus => "-",
+            Token::Star => "*",
+            Token::Slash => "/",
+            Token::Percent => "%",
+            Token::Bang => "!",
+            Token::And => "&",
+            Token::Or => "|",
+            Token::AndAnd => "&&",
+            Token::OrOr => "||",
+            Token::Less => "<",
+            Token::LessEqual => "<=",
+            Token::Greater => ">",
+            Token::GreaterEqual => ">=",
+            Token::Equal => "==",
+            Token::NotEqual => "!=",
+            Token::At => "@",
+            Token::Question => "?",
+            _ => self.keyword().unwrap_or(""),
+        }
+    }
+
     /// Whether an expression can end with this token.
     pub fn ends_expression(self) -> bool {
         matches!(

@@ -332,14 +332,32 @@ impl Builder {
 
     /// The node, shared with an equal one where that is in scope. Used by the rules, which have nothing left to do.
     pub(crate) fn push(&mut self, node: Node, ty: Option<Type>) -> Value {
-        if let Some(v) = self.scopes.iter().rev().find_map(|(_, table)| table.get(&node)) {
-            return *v;
+        if let Some(value) = self.find(node) {
+            return value;
         }
         let value = self.new_node(node, ty);
         let (region, table) = self.scopes.last_mut().expect("the root is always open");
         table.insert(node, value);
         self.function.regions[region.0 as usize].body.push(value);
         value
+    }
+
+    /// `y op x` where that is there already and the same as `x op y`. Bounds are not, since a tie takes the first.
+    pub(crate) fn find_commuted(&self, op: Binary, x: Value, y: Value) -> Option<Value> {
+        matches!(op, Binary::Add | Binary::Multiply).then(|| self.find(Node::Binary(op, y, x)))?
+    }
+
+    /// The vector of these parts where that is there already.
+    pub(crate) fn find_composed(&self, parts: &[Value]) -> Option<Value> {
+        match *parts {
+            [x, y] => self.find(Node::Compose2(x, y)),
+            [x, y, z] => self.find(Node::Compose3(x, y, z)),
+            _ => None,
+        }
+    }
+
+    fn find(&self, node: Node) -> Option<Value> {
+        self.scopes.iter().rev().find_map(|(_, table)| table.get(&node)).copied()
     }
 
     fn new_node(&mut self, node: Node, ty: Option<Type>) -> Value {

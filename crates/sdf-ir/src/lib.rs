@@ -8,6 +8,7 @@
 pub mod build;
 pub mod constant;
 pub mod copy;
+pub mod cost;
 mod dump;
 pub mod number;
 pub mod program;

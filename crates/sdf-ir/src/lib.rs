@@ -7,13 +7,19 @@
 
 pub mod build;
 pub mod constant;
+pub mod copy;
+pub mod cost;
+mod dump;
 pub mod number;
 pub mod program;
 mod rules;
+pub mod verify;
 
 pub use build::Builder;
 pub use constant::Constant;
+pub use copy::rebuild;
 pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use verify::verify;

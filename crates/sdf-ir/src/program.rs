@@ -284,6 +284,19 @@ impl Function {
         self.types[value.0 as usize]
     }
 
+    /// The types of what a node yields: its own, or those of the parts of a tuple. The builder makes all of a
+    /// tuple's `Result`s at once, directly behind it.
+    pub fn types_of(&self, value: Value) -> Vec<Type> {
+        match self.type_of(value) {
+            Some(ty) => vec![ty],
+            None => (value.0 + 1..self.nodes.len() as u32)
+                .map(Value)
+                .take_while(|part| matches!(self.node(*part), Node::Result(tuple, _) if tuple == value))
+                .map(|part| self.type_of(part).expect("a part of a tuple is no tuple"))
+                .collect(),
+        }
+    }
+
     /// The name that the source gives a value.
     pub fn name_of(&self, value: Value) -> Option<&Arc<str>> {
         self.names[value.0 as usize].as_ref()

@@ -5,11 +5,13 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod bits;
 pub mod build;
 pub mod constant;
 pub mod copy;
 pub mod cost;
 mod dump;
+pub mod eval;
 pub mod number;
 pub mod program;
 mod rules;

@@ -1,1 +1,9 @@
-//! To be written.
+//! Programs to pictures.
+//!
+//! The typical way is `Program → Frame → Picture`: on the CPU by the interpreter, on the GPU by the text
+//! that the emitter writes. Nothing here knows syntax or the names of shapes.
+#![warn(missing_docs)]
+
+pub mod frame;
+
+pub use frame::Frame;

@@ -9,6 +9,7 @@ mod bits;
 mod dialect;
 mod expression;
 mod function;
+mod kernel;
 mod layout;
 mod names;
 mod plan;
@@ -16,6 +17,7 @@ mod symbols;
 mod validate;
 mod wrapper;
 
+pub use kernel::{KernelLanguage, emit_kernel};
 pub use layout::{UniformField, UniformLayout};
 pub use validate::{ValidationError, validate};
 

@@ -1,6 +1,6 @@
 //! Nothing leaves this crate that naga has not read and validated.
 
-use crate::Target;
+use crate::{KernelLanguage, Target};
 use naga::ShaderStage;
 use naga::front::{glsl, wgsl};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -26,40 +26,48 @@ impl std::error::Error for ValidationError {}
 
 /// Whether naga accepts the text, which is a whole shader of that target.
 pub fn validate(target: Target, text: &str) -> Result<(), ValidationError> {
-    std::thread::scope(|scope| {
-        let check = || check(target, text).map_err(|message| ValidationError { message });
-        let thread =
-            std::thread::Builder::new().name("naga".into()).stack_size(STACK).spawn_scoped(scope, check);
-        match thread.map(|t| t.join()) {
-            Ok(Ok(result)) => result,
-            Ok(Err(_)) => Err(ValidationError { message: "it panicked".into() }),
-            Err(error) => Err(ValidationError { message: format!("no thread to run it on: {error}") }),
-        }
-    })
-}
-
-fn check(target: Target, text: &str) -> Result<(), String> {
-    let (module, text) = match target {
-        Target::Wgsl => (wgsl::parse_str(text).map_err(|e| e.emit_to_string(text))?, text.to_owned()),
-        Target::Glsl450 => (parse_glsl(text)?, text.to_owned()),
-        Target::GlslEs => {
-            let text = es_as_450(text);
-            (parse_glsl(&text)?, text)
-        }
+    match target {
+        Target::Wgsl => deep(|| check_wgsl(text)),
+        Target::Glsl450 => deep(|| check_glsl(text, ShaderStage::Fragment)),
+        Target::GlslEs => deep(|| check_glsl(&es_as_450(text), ShaderStage::Fragment)),
         Target::Shadertoy => {
-            let text = format!("{SHADERTOY_BEFORE}{text}{SHADERTOY_AFTER}");
-            (parse_glsl(&text)?, text)
+            deep(|| check_glsl(&format!("{SHADERTOY_BEFORE}{text}{SHADERTOY_AFTER}"), ShaderStage::Fragment))
         }
-    };
-    match Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(error.emit_to_string(&text)),
     }
 }
 
-fn parse_glsl(text: &str) -> Result<naga::Module, String> {
-    let options = glsl::Options::from(ShaderStage::Fragment);
-    glsl::Frontend::default().parse(&options, text).map_err(|e| e.emit_to_string(text))
+/// Whether naga accepts the text, which is a compute shader.
+pub(crate) fn validate_kernel(language: KernelLanguage, text: &str) -> Result<(), ValidationError> {
+    match language {
+        KernelLanguage::Wgsl => deep(|| check_wgsl(text)),
+        KernelLanguage::Glsl450 => deep(|| check_glsl(text, ShaderStage::Compute)),
+    }
+}
+
+/// Runs a check on a thread with enough stack.
+fn deep(check: impl FnOnce() -> Result<(), String> + Send) -> Result<(), ValidationError> {
+    let thread = std::thread::Builder::new().name("naga".into()).stack_size(STACK);
+    std::thread::scope(|scope| match thread.spawn_scoped(scope, check).map(|t| t.join()) {
+        Ok(Ok(result)) => result,
+        Ok(Err(_)) => Err("it panicked".into()),
+        Err(error) => Err(format!("no thread to run it on: {error}")),
+    })
+    .map_err(|message| ValidationError { message })
+}
+
+fn check_wgsl(text: &str) -> Result<(), String> {
+    let module = wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+    check(&module, text)
+}
+
+fn check_glsl(text: &str, stage: ShaderStage) -> Result<(), String> {
+    let module = glsl::Frontend::default().parse(&glsl::Options::from(stage), text);
+    check(&module.map_err(|error| error.emit_to_string(text))?, text)
+}
+
+fn check(module: &naga::Module, text: &str) -> Result<(), String> {
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    validator.validate(module).map(drop).map_err(|error| error.emit_to_string(text))
 }
 
 /// What Shadertoy puts before and after the text, as naga can read it.

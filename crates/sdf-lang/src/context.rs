@@ -95,6 +95,14 @@ impl Contexts {
         self.local(depth, value, argument.ty)
     }
 
+    /// A parameter of the innermost function that no caller fills in: it is an entry.
+    pub fn entry_parameter(&mut self, name: &str, ty: Type) -> Number {
+        let context = self.stack.last_mut().expect("a function is open");
+        let value = context.builder.add_parameter(Parameter { name: Arc::from(name), ty, point: false });
+        let depth = self.depth();
+        self.local(depth, value, ty)
+    }
+
     /// How a function that is about to be opened, or just was, sees a number of its caller.
     pub fn seen_from_inside(&mut self, name: &Arc<str>, number: &Number, key: u64) -> Number {
         if number.is_local() {

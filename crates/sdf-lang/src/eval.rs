@@ -61,6 +61,8 @@ pub(crate) struct Elaborator<'t> {
     pub overrides: HashMap<String, crate::Override>,
     /// Which fields of materials were seen to be other than their default.
     pub columns: std::collections::BTreeSet<crate::surface::Column>,
+    /// The shapes of the scene block, for the camera that frames them.
+    pub scene_parts: Vec<Rc<Shape<'t>>>,
     pub recursion: u32,
     pub work: usize,
 }

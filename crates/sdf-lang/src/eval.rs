@@ -4,7 +4,7 @@
 use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::names::Names;
-use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Traits, Value};
+use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::{Binary, Constant, FunctionId, Node, Ternary, Type, Unary};
 use sdf_syntax::tree::{
     BinaryOp, Binding, Block, Dimension, Expr, ExprKind, Function, Postfix, PostfixKind, UnaryOp,
@@ -802,9 +802,4 @@ pub(crate) fn name_shape<'t>(value: Value<'t>, name: &Arc<str>, span: Span, thun
         }
         other => other,
     }
-}
-
-/// What several shapes mean together.
-pub(crate) fn shapes_traits(shapes: &[Rc<Shape<'_>>]) -> Traits {
-    Traits { shapes: true, painted: shapes.iter().any(|s| s.painted) }
 }

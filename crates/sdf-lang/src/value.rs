@@ -79,8 +79,6 @@ pub(crate) enum Value<'t> {
     List(Rc<List<'t>>),
     Record(Rc<Fields<'t>>),
     Function(Rc<Callable<'t>>),
-    /// A word that a setting gives a meaning, such as `none`: never bound to a name.
-    Word(Arc<str>),
 }
 
 /// What the values inside a value mean for a field that captures it.
@@ -139,7 +137,7 @@ impl<'t> Value<'t> {
 
     pub fn traits(&self) -> Traits {
         match self {
-            Value::Number(_) | Value::Material(_) | Value::Word(_) => Traits::default(),
+            Value::Number(_) | Value::Material(_) => Traits::default(),
             Value::Shape(s) => Traits { shapes: true, painted: s.painted },
             Value::List(l) => l.traits,
             Value::Record(r) => r.traits,
@@ -160,7 +158,6 @@ impl<'t> Value<'t> {
             Value::List(l) => format!("a list of {}", l.items.len()),
             Value::Record(_) => "a record".into(),
             Value::Function(_) => "a function".into(),
-            Value::Word(w) => format!("`{w}`"),
         }
     }
 }

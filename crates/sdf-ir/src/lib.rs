@@ -12,14 +12,18 @@ pub mod copy;
 pub mod cost;
 mod dump;
 pub mod eval;
+pub mod gradient;
 pub mod number;
 pub mod program;
+#[cfg(test)]
+mod reference;
 mod rules;
 pub mod verify;
 
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;
+pub use gradient::{Gradients, gradient};
 pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,

@@ -6,6 +6,7 @@ use crate::constant::Constant;
 use crate::copy::live;
 use crate::cost::operations_of_node;
 use crate::program::{Binary, Function, Node, Parameter, RegionId, Ternary, Type, Unary, Value};
+use crate::reference::evaluate_alone;
 
 const PARAMETERS: [Type; 6] = [Type::Float, Type::Float, Type::Vec2, Type::Vec3, Type::Vec3, Type::Bool];
 
@@ -80,32 +81,11 @@ impl Expression {
     }
 }
 
-/// The result of a function without calls, regions, uniforms and globals, and its largest intermediate value.
-pub(crate) fn evaluate(function: &Function, arguments: &[Constant]) -> (Constant, f64) {
-    let live = live(function);
-    let mut values: Vec<Constant> = Vec::new();
-    let mut largest = 0.0f64;
-    for (index, is_live) in live.into_iter().enumerate() {
-        let value = |v: Value| values[v.0 as usize];
-        let number = |v: Value| value(v).components()[0];
-        let it = match function.node(Value(index as u32)) {
-            Node::Float(bits) => Constant::Float(f64::from_bits(bits)),
-            Node::Bool(it) => Constant::Bool(it),
-            Node::Argument(_, index) => arguments[index as usize],
-            Node::Unary(op, a) => Constant::unary(op, value(a)),
-            Node::Binary(op, x, y) => Constant::binary(op, value(x), value(y)),
-            Node::Ternary(op, x, y, z) => Constant::ternary(op, value(x), value(y), value(z)),
-            Node::Compose2(x, y) => Constant::Vec2([x, y].map(number)),
-            Node::Compose3(x, y, z) => Constant::Vec3([x, y, z].map(number)),
-            Node::Component(a, index) => Constant::Float(value(a).components()[index as usize]),
-            node => unreachable!("{node:?}"),
-        };
-        if is_live {
-            largest = it.components().iter().fold(largest, |m, x| m.max(x.abs()));
-        }
-        values.push(it);
-    }
-    (values[function.root().results[0].0 as usize], largest)
+/// The only result of a function, and its largest intermediate value.
+fn evaluate(function: &Function, arguments: &[Constant]) -> (Constant, f64) {
+    let (results, largest) = evaluate_alone(function, arguments);
+    let largest = arguments.iter().flat_map(|c| c.components()).fold(largest, |m, x| m.max(x.abs()));
+    (results[0], largest)
 }
 
 fn operations(function: &Function) -> u64 {

@@ -16,6 +16,7 @@ pub mod program;
 #[cfg(test)]
 mod reference;
 mod rules;
+pub mod simplify;
 pub mod verify;
 
 pub use build::Builder;
@@ -26,4 +27,5 @@ pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use simplify::simplify;
 pub use verify::verify;

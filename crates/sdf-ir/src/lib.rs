@@ -19,6 +19,7 @@ pub mod program;
 mod reference;
 mod rules;
 pub mod simplify;
+pub mod total;
 pub mod verify;
 
 pub use build::Builder;
@@ -30,4 +31,5 @@ pub use program::{
     Type, Unary, Uniform, Value,
 };
 pub use simplify::simplify;
+pub use total::legalise;
 pub use verify::verify;

@@ -5,15 +5,22 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod bits;
 pub mod build;
 pub mod constant;
+pub mod copy;
+mod dump;
+pub mod eval;
 pub mod number;
 pub mod program;
 mod rules;
+pub mod verify;
 
 pub use build::Builder;
 pub use constant::Constant;
+pub use copy::rebuild;
 pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use verify::verify;

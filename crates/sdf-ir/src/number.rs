@@ -3,6 +3,12 @@
 //! `f64` computes what the language says, as well as it can: it folds constants and is the reference.
 //! `f32` computes what the hardware does, so it wants a program whose partial operations have been guarded.
 
+mod dual;
+mod single;
+
+pub use dual::Dual;
+
+use crate::bits;
 use crate::program::{Binary, Unary};
 
 /// The largest finite number of the language: the largest `f32`.
@@ -11,9 +17,13 @@ pub const LARGEST: f64 = f32::MAX as f64;
 pub const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
 
 /// A kind of numbers.
-pub trait Number: Copy {
+pub trait Number: Copy + Send + Sync {
     /// The number nearest to `x`.
     fn from_f64(x: f64) -> Self;
+    /// 1 for true and 0 for false: how evaluators keep a truth value among numbers.
+    fn from_bool(x: bool) -> Self;
+    /// The number, or what it is near to.
+    fn to_f64(self) -> f64;
     /// An operation that works component by component. `Not`, `Length`, `Normalize`, `Hash` and `ReduceAngle`
     /// do not, and must not be asked for here.
     fn unary(op: Unary, a: Self) -> Self;
@@ -41,28 +51,28 @@ pub trait Number: Copy {
     fn reduce_angle(self) -> [Self; 2];
 }
 
-/// 32 well mixed bits from the bits of up to three floats (PCG: Jarzynski, Olano, "Hash Functions for GPU
-/// Rendering", 2020), as a multiple of 2⁻²⁴ in `[0, 1)`. The bits of -0 count as those of 0.
-pub fn hash_bits(words: impl IntoIterator<Item = u32>) -> f32 {
-    let mut h = 0u32;
-    for w in words {
-        let w = if w == 0x8000_0000 { 0 } else { w };
-        let s = (h ^ w).wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let t = ((s >> ((s >> 28) + 4)) ^ s).wrapping_mul(277_803_737);
-        h = (t >> 22) ^ t;
-    }
-    (h >> 8) as f32 * (1.0 / 16_777_216.0)
-}
-
+#[inline(always)]
 fn saturate(x: f64) -> f64 {
     if x.is_nan() { 0.0 } else { x.clamp(-LARGEST, LARGEST) }
 }
 
 impl Number for f64 {
+    #[inline(always)]
     fn from_f64(x: f64) -> f64 {
         x
     }
 
+    #[inline(always)]
+    fn from_bool(x: bool) -> f64 {
+        f64::from(x)
+    }
+
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
     fn unary(op: Unary, a: f64) -> f64 {
         match op {
             Unary::Negate => -a,
@@ -101,6 +111,7 @@ impl Number for f64 {
         }
     }
 
+    #[inline(always)]
     fn binary(op: Binary, a: f64, b: f64) -> f64 {
         match op {
             Binary::Add => a + b,
@@ -152,30 +163,37 @@ impl Number for f64 {
         }
     }
 
+    #[inline(always)]
     fn less(a: f64, b: f64) -> bool {
         a < b
     }
 
+    #[inline(always)]
     fn less_equal(a: f64, b: f64) -> bool {
         a <= b
     }
 
+    #[inline(always)]
     fn equal(a: f64, b: f64) -> bool {
         a == b
     }
 
+    #[inline(always)]
     fn mix(a: f64, b: f64, t: f64) -> f64 {
         a * (1.0 - t) + b * t
     }
 
+    #[inline(always)]
     fn dot(a: &[f64], b: &[f64]) -> f64 {
         a.iter().zip(b).map(|(x, y)| x * y).sum()
     }
 
+    #[inline(always)]
     fn length(a: &[f64]) -> f64 {
         saturate(f64::dot(a, a).sqrt())
     }
 
+    #[inline(always)]
     fn normalize(a: &[f64], out: &mut [f64]) {
         let largest = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         if largest == 0.0 {
@@ -188,16 +206,21 @@ impl Number for f64 {
         }
     }
 
+    #[inline(always)]
     fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     }
 
+    #[inline(always)]
     fn hash(a: &[f64]) -> f64 {
-        f64::from(hash_bits(a.iter().map(|x| (*x as f32).to_bits())))
+        f64::from(bits::hash(a.iter().map(|x| (*x as f32).to_bits())))
     }
 
+    #[inline(always)]
     fn reduce_angle(self) -> [f64; 2] {
-        let q = (self / std::f64::consts::FRAC_PI_2).round_ties_even();
-        [self - q * std::f64::consts::FRAC_PI_2, q.rem_euclid(4.0)]
+        use std::f64::consts::{FRAC_PI_2, TAU};
+        let angle = self % TAU;
+        let q = (angle / FRAC_PI_2).round_ties_even();
+        [angle - q * FRAC_PI_2, q.rem_euclid(4.0)]
     }
 }

@@ -135,6 +135,39 @@ pub enum Unary {
     ReduceAngle,
 }
 
+impl Unary {
+    /// All of them.
+    pub const ALL: [Unary; 27] = [
+        Unary::Negate,
+        Unary::Not,
+        Unary::Abs,
+        Unary::Sign,
+        Unary::Floor,
+        Unary::Ceil,
+        Unary::Round,
+        Unary::Trunc,
+        Unary::Sqrt,
+        Unary::Sin,
+        Unary::Cos,
+        Unary::Tan,
+        Unary::Asin,
+        Unary::Acos,
+        Unary::Atan,
+        Unary::Exp,
+        Unary::Exp2,
+        Unary::Log,
+        Unary::Log2,
+        Unary::Tanh,
+        Unary::Length,
+        Unary::Normalize,
+        Unary::Hash,
+        Unary::PowerOfTwo,
+        Unary::Exponent,
+        Unary::Mantissa,
+        Unary::ReduceAngle,
+    ];
+}
+
 /// An operation on two values. Component by component on vectors where nothing else is said; `Add`, `Subtract`,
 /// `Multiply` and `Divide` also take a vector and a float, in any order; all others want equal types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -173,6 +206,28 @@ pub enum Binary {
     Or,
 }
 
+impl Binary {
+    /// All of them.
+    pub const ALL: [Binary; 16] = [
+        Binary::Add,
+        Binary::Subtract,
+        Binary::Multiply,
+        Binary::Divide,
+        Binary::Modulo,
+        Binary::Min,
+        Binary::Max,
+        Binary::Power,
+        Binary::Atan2,
+        Binary::Dot,
+        Binary::Cross,
+        Binary::Less,
+        Binary::LessEqual,
+        Binary::Equal,
+        Binary::And,
+        Binary::Or,
+    ];
+}
+
 /// An operation on three values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Ternary {
@@ -180,6 +235,11 @@ pub enum Ternary {
     Select,
     /// `a*(1-c) + b*c`: a and b have one type, c is that or a float.
     Mix,
+}
+
+impl Ternary {
+    /// All of them.
+    pub const ALL: [Ternary; 2] = [Ternary::Select, Ternary::Mix];
 }
 
 /// One node.
@@ -282,6 +342,19 @@ impl Function {
     /// The type of a value, or `None` for a tuple.
     pub fn type_of(&self, value: Value) -> Option<Type> {
         self.types[value.0 as usize]
+    }
+
+    /// The types of what a node yields: its own, or those of the parts of a tuple. The builder makes all of a
+    /// tuple's `Result`s at once, directly behind it.
+    pub fn types_of(&self, value: Value) -> Vec<Type> {
+        match self.type_of(value) {
+            Some(ty) => vec![ty],
+            None => (value.0 + 1..self.nodes.len() as u32)
+                .map(Value)
+                .take_while(|part| matches!(self.node(*part), Node::Result(tuple, _) if tuple == value))
+                .map(|part| self.type_of(part).expect("a part of a tuple is no tuple"))
+                .collect(),
+        }
     }
 
     /// The name that the source gives a value.

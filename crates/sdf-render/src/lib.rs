@@ -1,7 +1,12 @@
-//! Programs as pixels: on a graphics device ([`gpu`]) or on the CPU.
+//! Programs to pictures.
 //!
-//! Nothing here knows syntax, the names of shapes or files. Only `gpu` knows wgpu, behind the feature of that name.
+//! The typical way is `Program → Frame → Picture`: on the CPU by the interpreter, on the GPU by the text
+//! that the emitter writes. Nothing here knows syntax or the names of shapes. Only [`gpu`] knows wgpu, behind the
+//! feature of that name.
 #![warn(missing_docs)]
 
+pub mod frame;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+
+pub use frame::Frame;

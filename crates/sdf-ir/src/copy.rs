@@ -1,0 +1,302 @@
+//! Copying the live nodes of a function into a builder.
+//!
+//! Inlining a call, rebuilding a function and moving it to another program are one walk: every node is made anew
+//! through the builder, so constants that arrive with the arguments fold on the way, and what nothing reads stays
+//! behind. [`Links`] says what the references to the rest of the program become.
+
+use crate::build::Builder;
+use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};
+use std::collections::HashMap;
+
+/// What the references of a copied function to its program become. As it stands, they stay the same.
+pub(crate) trait Links {
+    /// The index of this uniform.
+    fn uniform(&self, index: u16) -> u16 {
+        index
+    }
+
+    /// The index of this global.
+    fn global(&self, index: u16) -> u16 {
+        index
+    }
+
+    /// The results of a call with these arguments.
+    fn call(
+        &self,
+        builder: &mut Builder,
+        callee: FunctionId,
+        results: &[Type],
+        arguments: &[Value],
+    ) -> Vec<Value> {
+        builder.call(callee, results, arguments)
+    }
+}
+
+/// Every reference stays the same.
+pub(crate) struct SameProgram;
+
+impl Links for SameProgram {}
+
+impl Builder {
+    /// Copies the body of a function of the same program into the open region, with these arguments in the place
+    /// of its parameters, and returns its results.
+    pub fn inline(&mut self, callee: &Function, arguments: &[Value]) -> Vec<Value> {
+        inline(self, callee, arguments, &SameProgram)
+    }
+}
+
+/// The function made anew: without its dead nodes, and with whatever the rules now see.
+pub fn rebuild(function: &Function) -> Function {
+    let mut builder = Builder::new(function.name.clone(), function.parameters.clone());
+    builder.set_line(function.line);
+    let arguments: Vec<Value> =
+        (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
+    let results = builder.inline(function, &arguments);
+    builder.finish(results.into_iter().zip(function.result_names.iter().cloned()).collect())
+}
+
+/// [`Builder::inline`], between programs.
+pub(crate) fn inline(
+    builder: &mut Builder,
+    callee: &Function,
+    arguments: &[Value],
+    links: &dyn Links,
+) -> Vec<Value> {
+    assert_eq!(
+        arguments.len(),
+        callee.parameters.len(),
+        "{} is given other arguments than it takes",
+        callee.name
+    );
+    let mut copy = Copy {
+        source: callee,
+        links,
+        live: live(callee),
+        arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
+        copied: vec![Vec::new(); callee.node_count()],
+    };
+    copy.region(builder, RegionId::ROOT)
+}
+
+/// Which nodes the results depend on. Nothing has side effects, so all others are dead.
+pub(crate) fn live(function: &Function) -> Vec<bool> {
+    let mut live = vec![false; function.node_count()];
+    let mut open = function.root().results.clone();
+    while let Some(value) = open.pop() {
+        if std::mem::replace(&mut live[value.0 as usize], true) {
+            continue;
+        }
+        function.operands(value, |operand| open.push(operand));
+        for region in function.owned_regions(value) {
+            open.extend(&function.region(region).results);
+        }
+    }
+    live
+}
+
+struct Copy<'a> {
+    source: &'a Function,
+    links: &'a dyn Links,
+    live: Vec<bool>,
+    /// What stands for the arguments of each region that is being copied.
+    arguments: HashMap<RegionId, Vec<Value>>,
+    /// What stands for each node copied so far: one value, or the parts of a tuple.
+    copied: Vec<Vec<Value>>,
+}
+
+impl Copy<'_> {
+    /// Copies the body of a region into the open one and returns its results.
+    fn region(&mut self, builder: &mut Builder, region: RegionId) -> Vec<Value> {
+        let source = self.source;
+        let region = source.region(region);
+        for value in &region.body {
+            if self.live[value.0 as usize] {
+                self.node(builder, *value);
+            }
+        }
+        self.values(builder, &region.results)
+    }
+
+    fn node(&mut self, builder: &mut Builder, value: Value) {
+        let source = self.source;
+        let copied = match source.node(value) {
+            Node::If(condition, then, otherwise) => self.branch(builder, condition, then, otherwise),
+            Node::Loop(it) => self.repeat(builder, it),
+            Node::Result(tuple, index) => vec![self.copied[tuple.0 as usize][index as usize]],
+            Node::Call(callee, list) => {
+                let results = source.types_of(value);
+                let arguments = self.values(builder, source.list(list));
+                self.links.call(builder, callee, &results, &arguments)
+            }
+            node => vec![self.operation(builder, node)],
+        };
+        if let (Some(name), [it]) = (source.name_of(value), &copied[..])
+            && !is_leaf(builder.node(*it))
+        {
+            builder.name(*it, name);
+        }
+        self.copied[value.0 as usize] = copied;
+    }
+
+    fn operation(&mut self, builder: &mut Builder, node: Node) -> Value {
+        match node {
+            Node::Unary(op, a) => {
+                let a = self.value(builder, a);
+                builder.unary(op, a)
+            }
+            Node::Binary(op, a, b) => {
+                let (a, b) = (self.value(builder, a), self.value(builder, b));
+                builder.binary(op, a, b)
+            }
+            Node::Ternary(op, a, b, c) => {
+                let (a, b, c) = (self.value(builder, a), self.value(builder, b), self.value(builder, c));
+                builder.ternary(op, a, b, c)
+            }
+            Node::Compose2(x, y) => {
+                let parts = self.values(builder, &[x, y]);
+                builder.compose(&parts)
+            }
+            Node::Compose3(x, y, z) => {
+                let parts = self.values(builder, &[x, y, z]);
+                builder.compose(&parts)
+            }
+            Node::Component(a, index) => {
+                let a = self.value(builder, a);
+                builder.component(a, index as usize)
+            }
+            Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_) => {
+                unreachable!("leaves stand in no body")
+            }
+            Node::Call(..) | Node::If(..) | Node::Loop(_) | Node::Result(..) => {
+                unreachable!("handled by the caller, since they may have several results")
+            }
+        }
+    }
+
+    fn branch(
+        &mut self,
+        builder: &mut Builder,
+        condition: Value,
+        then: RegionId,
+        otherwise: RegionId,
+    ) -> Vec<Value> {
+        let condition = self.value(builder, condition);
+        let [then, otherwise] = [then, otherwise].map(|region| {
+            builder.open_region(&[]);
+            let results = self.region(builder, region);
+            builder.close_region(results)
+        });
+        builder.branch(condition, then, otherwise)
+    }
+
+    fn repeat(&mut self, builder: &mut Builder, it: Loop) -> Vec<Value> {
+        let source = self.source;
+        let initial = self.values(builder, source.list(it.initial));
+        let [until, next] = [it.until, it.next].map(|region| {
+            let types = &source.region(region).arguments;
+            let open = builder.open_region(types);
+            let arguments = (0..types.len()).map(|i| builder.argument(open, i as u16)).collect();
+            self.arguments.insert(region, arguments);
+            let results = self.region(builder, region);
+            builder.close_region(results)
+        });
+        builder.repeat(it.count, &initial, until, next)
+    }
+
+    fn values(&self, builder: &mut Builder, values: &[Value]) -> Vec<Value> {
+        values.iter().map(|value| self.value(builder, *value)).collect()
+    }
+
+    /// What stands for a value that is no tuple.
+    fn value(&self, builder: &mut Builder, value: Value) -> Value {
+        let ty = || self.source.type_of(value).expect("a tuple is read by `Result` alone");
+        match self.source.node(value) {
+            Node::Float(bits) => builder.float(f64::from_bits(bits)),
+            Node::Bool(it) => builder.bool(it),
+            Node::Argument(region, index) => self.arguments[&region][index as usize],
+            Node::Uniform(index) => builder.uniform(self.links.uniform(index), ty()),
+            Node::Global(index) => builder.global(self.links.global(index), ty()),
+            _ => self.copied[value.0 as usize][0],
+        }
+    }
+}
+
+/// Whether the node stands in no body. A leaf has a name of its own, or is a constant and needs none.
+fn is_leaf(node: Node) -> bool {
+    matches!(node, Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rebuild;
+    use crate::build::Builder;
+    use crate::constant::Constant;
+    use crate::program::{Binary, Function, Node, Parameter, RegionId, Type, Unary, Value};
+
+    fn float(name: &str) -> Parameter {
+        Parameter { name: name.into(), ty: Type::Float, point: false }
+    }
+
+    /// `iterate(3, x, |s| s + k, until: |s| s > 10)`, then its sign chooses between `k` and a product.
+    fn looping() -> Function {
+        let mut b = Builder::new("looping", vec![float("x"), float("k")]);
+        let [x, k] = [0, 1].map(|i| b.argument(RegionId::ROOT, i));
+        let until = b.open_region(&[Type::Float]);
+        let state = b.argument(until, 0);
+        let limit = b.float(10.0);
+        let over = b.binary(Binary::Less, limit, state);
+        b.close_region(vec![over]);
+        let next = b.open_region(&[Type::Float, Type::Float]);
+        let state = b.argument(next, 1);
+        let more = b.add(state, k);
+        b.close_region(vec![more]);
+        let last = b.repeat(3, &[x], until, next)[0];
+        b.name(last, &"last".into());
+        let zero = b.float(0.0);
+        let negative = b.binary(Binary::Less, last, zero);
+        let then = b.open_region(&[]);
+        let sine = b.unary(Unary::Sin, last);
+        b.close_region(vec![k, sine]);
+        let otherwise = b.open_region(&[]);
+        let product = b.mul(last, k);
+        b.close_region(vec![product, last]);
+        let parts = b.branch(negative, then, otherwise);
+        let dead = b.unary(Unary::Tanh, k);
+        b.name(dead, &"dead".into());
+        b.finish(vec![(parts[0], "a".into()), (parts[1], "b".into())])
+    }
+
+    #[test]
+    fn rebuilding_leaves_the_dead_behind_and_changes_nothing_else() {
+        let before = looping();
+        let after = rebuild(&before);
+        assert!(before.root().body.len() == after.root().body.len() + 1);
+        assert!(!after.nodes.contains(&Node::Unary(Unary::Tanh, Value(1))));
+        assert_eq!(rebuild(&after), after);
+        assert!((0..after.node_count()).any(|i| after.names[i].as_deref() == Some("last")));
+    }
+
+    #[test]
+    fn what_arrives_with_the_arguments_folds() {
+        let mut b = Builder::new("square", vec![float("x")]);
+        let x = b.argument(RegionId::ROOT, 0);
+        let square = b.mul(x, x);
+        let square = b.finish(vec![(square, "".into())]);
+        let mut b = Builder::new("caller", vec![]);
+        let three = b.float(3.0);
+        let nine = b.inline(&square, &[three])[0];
+        assert_eq!(b.constant_of(nine), Some(Constant::Float(9.0)));
+    }
+
+    #[test]
+    fn the_parameters_become_the_arguments() {
+        let callee = looping();
+        let mut b = Builder::new("twice", vec![float("x"), float("k")]);
+        let arguments = [0, 1].map(|i| b.argument(RegionId::ROOT, i));
+        let x = b.unary(Unary::Floor, arguments[0]);
+        let results = b.inline(&callee, &[x, arguments[1]]);
+        let copy = b.finish(results.into_iter().map(|r| (r, "".into())).collect());
+        assert_eq!(copy.root().body[0], x);
+        assert_eq!(copy.root().body.len(), 1 + rebuild(&callee).root().body.len());
+    }
+}

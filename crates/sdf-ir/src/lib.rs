@@ -5,6 +5,7 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod adjoint;
 pub mod build;
 pub mod constant;
 pub mod copy;
@@ -19,6 +20,7 @@ mod rules;
 pub mod simplify;
 pub mod verify;
 
+pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;

@@ -6,6 +6,7 @@
 #![warn(missing_docs)]
 
 pub mod bits;
+pub mod adjoint;
 pub mod build;
 pub mod constant;
 pub mod copy;
@@ -22,6 +23,7 @@ pub mod simplify;
 pub mod total;
 pub mod verify;
 
+pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A function under construction.
+#[derive(Clone)]
 pub struct Builder {
     function: Function,
     leaves: HashMap<Node, Value>,
@@ -299,8 +300,40 @@ impl Builder {
 
     /// `if condition` the results of the region `then`, else those of `otherwise`. Both must be closed.
     pub fn branch(&mut self, condition: Value, then: RegionId, otherwise: RegionId) -> Vec<Value> {
+        // if true { a } else { b } == a
+        if let Node::Bool(holds) = self.node(condition) {
+            return self.splice(if holds { then } else { otherwise });
+        }
+        let [left, right] = [then, otherwise].map(|id| self.function.region(id).results.clone());
+        // A result that is the same on both sides comes from outside of them.
+        let differs: Vec<bool> = left.iter().zip(&right).map(|(a, b)| a != b).collect();
+        let is_empty = |id| self.function.region(id).body.is_empty();
+        // if c { a } else { b } == c ? a : b, where neither side has anything to compute
+        if is_empty(then) && is_empty(otherwise) {
+            return left.iter().zip(right).map(|(a, b)| self.select(condition, *a, b)).collect();
+        }
+        for (id, results) in [(then, &left), (otherwise, &right)] {
+            let kept = results.iter().zip(&differs).filter(|(_, differs)| **differs).map(|(v, _)| *v);
+            self.function.regions[id.0 as usize].results = kept.collect();
+        }
+        if !differs.contains(&true) {
+            return left;
+        }
         let types: Vec<Type> = self.function.region(then).results.iter().map(|v| self.ty(*v)).collect();
-        self.push_tuple(Node::If(condition, then, otherwise), &types)
+        let mut parts = self.push_tuple(Node::If(condition, then, otherwise), &types).into_iter();
+        let result = |(value, differs)| if differs { parts.next().expect("a part for each") } else { value };
+        left.into_iter().zip(differs).map(result).collect()
+    }
+
+    /// Moves the body of a closed region without arguments into the open one.
+    fn splice(&mut self, region: RegionId) -> Vec<Value> {
+        let Region { body, results, .. } = std::mem::take(&mut self.function.regions[region.0 as usize]);
+        let (open, table) = self.scopes.last_mut().expect("the root is always open");
+        for value in &body {
+            table.entry(self.function.nodes[value.0 as usize]).or_insert(*value);
+        }
+        self.function.regions[open.0 as usize].body.extend(body);
+        results
     }
 
     /// A loop; see [`Loop`]. Both regions must be closed.
@@ -332,8 +365,8 @@ impl Builder {
 
     /// The node, shared with an equal one where that is in scope. Used by the rules, which have nothing left to do.
     pub(crate) fn push(&mut self, node: Node, ty: Option<Type>) -> Value {
-        if let Some(v) = self.scopes.iter().rev().find_map(|(_, table)| table.get(&node)) {
-            return *v;
+        if let Some(value) = self.find(node) {
+            return value;
         }
         let value = self.new_node(node, ty);
         let (region, table) = self.scopes.last_mut().expect("the root is always open");
@@ -342,11 +375,92 @@ impl Builder {
         value
     }
 
+    /// `y op x` where that is there already and the same as `x op y`. Bounds are not, since a tie takes the first.
+    pub(crate) fn find_commuted(&self, op: Binary, x: Value, y: Value) -> Option<Value> {
+        matches!(op, Binary::Add | Binary::Multiply).then(|| self.find(Node::Binary(op, y, x)))?
+    }
+
+    /// The vector of these parts where that is there already.
+    pub(crate) fn find_composed(&self, parts: &[Value]) -> Option<Value> {
+        match *parts {
+            [x, y] => self.find(Node::Compose2(x, y)),
+            [x, y, z] => self.find(Node::Compose3(x, y, z)),
+            _ => None,
+        }
+    }
+
+    fn find(&self, node: Node) -> Option<Value> {
+        self.scopes.iter().rev().find_map(|(_, table)| table.get(&node)).copied()
+    }
+
     fn new_node(&mut self, node: Node, ty: Option<Type>) -> Value {
         let value = Value(self.function.nodes.len() as u32);
         self.function.nodes.push(node);
         self.function.types.push(ty);
         self.function.names.push(None);
         value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Builder;
+    use crate::program::{Node, Parameter, Program, RegionId, Type, Unary, Value};
+
+    fn start() -> (Builder, [Value; 2]) {
+        let float = |name: &str| Parameter { name: name.into(), ty: Type::Float, point: false };
+        let condition = Parameter { name: "c".into(), ty: Type::Bool, point: false };
+        let mut b = Builder::new("branches", vec![float("x"), condition]);
+        let arguments = [0, 1].map(|i| b.argument(RegionId::ROOT, i));
+        (b, arguments)
+    }
+
+    fn finish(b: Builder, results: Vec<Value>) -> Program {
+        let mut program = Program::default();
+        program.add(b.finish(results.into_iter().map(|r| (r, "".into())).collect()));
+        assert_eq!(crate::verify(&program), Ok(()));
+        program
+    }
+
+    #[test]
+    fn a_branch_that_is_decided_is_its_side() {
+        let (mut b, [x, _]) = start();
+        let then = b.open_region(&[]);
+        let sine = b.unary(Unary::Sin, x);
+        b.close_region(vec![sine]);
+        let otherwise = b.open_region(&[]);
+        let cosine = b.unary(Unary::Cos, x);
+        b.close_region(vec![cosine]);
+        let decided = b.bool(false);
+        assert_eq!(b.branch(decided, then, otherwise), [cosine]);
+        assert_eq!(b.unary(Unary::Cos, x), cosine);
+        assert_eq!(finish(b, vec![cosine]).functions[0].root().body, [cosine]);
+    }
+
+    #[test]
+    fn only_what_differs_is_branched() {
+        let (mut b, [x, c]) = start();
+        let then = b.open_region(&[]);
+        let sine = b.unary(Unary::Sin, x);
+        b.close_region(vec![x, sine]);
+        let otherwise = b.open_region(&[]);
+        b.close_region(vec![x, x]);
+        let results = b.branch(c, then, otherwise);
+        assert_eq!(results[0], x);
+        assert_eq!(b.node(results[1]), Node::If(c, then, otherwise));
+        finish(b, results);
+    }
+
+    #[test]
+    fn sides_with_nothing_to_compute_are_a_choice() {
+        let (mut b, [x, c]) = start();
+        let one = b.float(1.0);
+        let then = b.open_region(&[]);
+        b.close_region(vec![x]);
+        let otherwise = b.open_region(&[]);
+        b.close_region(vec![one]);
+        let results = b.branch(c, then, otherwise);
+        assert_eq!(results, [b.select(c, x, one)]);
+        finish(b, results);
     }
 }

@@ -73,13 +73,7 @@ pub(crate) fn inline(
         "{} is given other arguments than it takes",
         callee.name
     );
-    let mut copy = Copy {
-        source: callee,
-        links,
-        live: live(callee),
-        arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
-        copied: vec![Vec::new(); callee.node_count()],
-    };
+    let mut copy = Copy::new(callee, arguments, links);
     copy.region(builder, RegionId::ROOT)
 }
 
@@ -99,7 +93,7 @@ pub(crate) fn live(function: &Function) -> Vec<bool> {
     live
 }
 
-struct Copy<'a> {
+pub(crate) struct Copy<'a> {
     source: &'a Function,
     links: &'a dyn Links,
     live: Vec<bool>,
@@ -109,9 +103,40 @@ struct Copy<'a> {
     copied: Vec<Vec<Value>>,
 }
 
-impl Copy<'_> {
+impl<'a> Copy<'a> {
+    /// A walk that has copied nothing yet.
+    pub(crate) fn new(source: &'a Function, arguments: &[Value], links: &'a dyn Links) -> Copy<'a> {
+        Copy {
+            source,
+            links,
+            live: live(source),
+            arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
+            copied: vec![Vec::new(); source.node_count()],
+        }
+    }
+
+    /// Whether anything depends on the node.
+    pub(crate) fn is_live(&self, value: Value) -> bool {
+        self.live[value.0 as usize]
+    }
+
+    /// What stands for the arguments of a region that is copied next.
+    pub(crate) fn enter(&mut self, region: RegionId, arguments: Vec<Value>) {
+        self.arguments.insert(region, arguments);
+    }
+
+    /// What a node has become that was copied elsewhere.
+    pub(crate) fn set(&mut self, builder: &mut Builder, value: Value, copied: Vec<Value>) {
+        if let (Some(name), [it]) = (self.source.name_of(value), &copied[..])
+            && !is_leaf(builder.node(*it))
+        {
+            builder.name(*it, name);
+        }
+        self.copied[value.0 as usize] = copied;
+    }
+
     /// Copies the body of a region into the open one and returns its results.
-    fn region(&mut self, builder: &mut Builder, region: RegionId) -> Vec<Value> {
+    pub(crate) fn region(&mut self, builder: &mut Builder, region: RegionId) -> Vec<Value> {
         let source = self.source;
         let region = source.region(region);
         for value in &region.body {
@@ -122,7 +147,8 @@ impl Copy<'_> {
         self.values(builder, &region.results)
     }
 
-    fn node(&mut self, builder: &mut Builder, value: Value) {
+    /// Copies a node of a body, and the regions that it owns.
+    pub(crate) fn node(&mut self, builder: &mut Builder, value: Value) {
         let source = self.source;
         let copied = match source.node(value) {
             Node::If(condition, then, otherwise) => self.branch(builder, condition, then, otherwise),
@@ -140,12 +166,7 @@ impl Copy<'_> {
                 vec![self.links.operation(builder, node, &operands)]
             }
         };
-        if let (Some(name), [it]) = (source.name_of(value), &copied[..])
-            && !is_leaf(builder.node(*it))
-        {
-            builder.name(*it, name);
-        }
-        self.copied[value.0 as usize] = copied;
+        self.set(builder, value, copied);
     }
 
     fn branch(
@@ -171,19 +192,19 @@ impl Copy<'_> {
             let types = &source.region(region).arguments;
             let open = builder.open_region(types);
             let arguments = (0..types.len()).map(|i| builder.argument(open, i as u16)).collect();
-            self.arguments.insert(region, arguments);
+            self.enter(region, arguments);
             let results = self.region(builder, region);
             builder.close_region(results)
         });
         builder.repeat(it.count, &initial, until, next)
     }
 
-    fn values(&self, builder: &mut Builder, values: &[Value]) -> Vec<Value> {
+    pub(crate) fn values(&self, builder: &mut Builder, values: &[Value]) -> Vec<Value> {
         values.iter().map(|value| self.value(builder, *value)).collect()
     }
 
     /// What stands for a value that is no tuple.
-    fn value(&self, builder: &mut Builder, value: Value) -> Value {
+    pub(crate) fn value(&self, builder: &mut Builder, value: Value) -> Value {
         let ty = || self.source.type_of(value).expect("a tuple is read by `Result` alone");
         match self.source.node(value) {
             Node::Float(bits) => builder.float(f64::from_bits(bits)),

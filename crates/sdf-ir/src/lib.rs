@@ -5,24 +5,33 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod adjoint;
 pub mod bits;
 pub mod build;
 pub mod constant;
 pub mod copy;
+pub mod cost;
 mod dump;
 pub mod eval;
+pub mod gradient;
 pub mod number;
 pub mod program;
+#[cfg(test)]
+mod reference;
 mod rules;
+pub mod simplify;
 pub mod total;
 pub mod verify;
 
+pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;
+pub use gradient::{Gradients, gradient};
 pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use simplify::simplify;
 pub use total::legalise;
 pub use verify::verify;

@@ -1,1 +1,132 @@
-//! To be written.
+//! From the tree of a scene to its program: names, types, static evaluation, shapes, settings, and the renderer
+//! with only the effects that the scene calls for.
+//!
+//! The typical way is `compile(name, text, &Options) → Compilation`, whose `scene` holds the program of a pixel
+//! and whose diagnostics say what is wrong. Shapes and the renderer are written in the language itself, in `std/`
+//! and `runtime/`; nothing here knows a shape's name.
+#![warn(missing_docs)]
+
+mod builtin;
+mod call;
+mod context;
+mod errors;
+mod eval;
+mod framing;
+mod items;
+mod library;
+mod names;
+mod outline;
+mod scene;
+mod settings;
+mod shape;
+mod surface;
+mod value;
+mod walk;
+
+use sdf_ir::{FunctionId, Program};
+use sdf_syntax::tree::File;
+use sdf_syntax::{Diagnostic, FileId, Severity, Sources};
+
+/// The file that the user gave.
+pub const USER_FILE: FileId = FileId(0);
+
+/// The distance of what is not there: farther than anything that is drawn.
+const NOTHING: f64 = 1e20;
+
+/// The stack of the thread that elaborates: a shape that is moved ten thousand times nests that deep.
+const STACK: usize = 1 << 30;
+
+/// The value that `--set` gives a param, as written.
+pub(crate) type Override = String;
+
+/// How to compile.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Params that are frozen, by name, with their values as written: they become constants, and what they make
+    /// zero is not called for.
+    pub set: Vec<(String, String)>,
+}
+
+/// What came of a file.
+#[derive(Debug)]
+pub struct Compilation {
+    /// The user's file and those of the compiler, which the places of diagnostics refer to.
+    pub sources: Sources,
+    /// The tree of the user's file.
+    pub tree: File,
+    /// What is wrong, in the order of the source.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The scene, unless there was an error.
+    pub scene: Option<Scene>,
+}
+
+impl Compilation {
+    /// Whether there was an error.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity() == Severity::Error)
+    }
+}
+
+/// A scene as a program.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The program, simplified; its operations are total by the language's meaning, not yet by the hardware's.
+    /// Its entry is `pixel(coordinate: vec2) → color: vec3`, in pixels from the bottom left and in sRGB.
+    pub program: Program,
+    /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
+    pub map: Option<FunctionId>,
+    /// What was compiled in, for the header of the emitted text.
+    pub summary: Summary,
+}
+
+/// What was compiled in.
+#[derive(Debug, Clone, Default)]
+pub struct Summary {
+    /// How many shapes the scene block has.
+    pub shapes: usize,
+    /// The settings that decide about accuracy, as `name value`.
+    pub settings: Vec<String>,
+    /// The effects that the scene calls for.
+    pub effects: Vec<&'static str>,
+}
+
+/// Compiles a file. `name` is what messages call it.
+pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
+    let sources = library::sources(name, text);
+    let (tree, mut diagnostics) = sdf_syntax::parse(USER_FILE, text);
+    let syntax_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
+    let scene = std::thread::scope(|scope| {
+        let work = || scene::elaborate(&sources, &tree, options);
+        let thread = std::thread::Builder::new().name("elaborate".into()).stack_size(STACK);
+        match thread.spawn_scoped(scope, work).map(|handle| handle.join()) {
+            Ok(Ok((scene, found))) => {
+                diagnostics.extend(found);
+                scene
+            }
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => panic!("no thread for elaboration: {error}"),
+        }
+    });
+    tidy(&mut diagnostics);
+    let scene = scene.filter(|_| !syntax_errors);
+    Compilation { sources, tree, diagnostics, scene }
+}
+
+/// Puts findings in the order of the source, each once.
+fn tidy(diagnostics: &mut Vec<Diagnostic>) {
+    diagnostics.sort_by(|a, b| (a.span, a.code).cmp(&(b.span, b.code)));
+    diagnostics.dedup_by(|b, a| a.span == b.span && a.code == b.code && a.message == b.message);
+}
+
+/// A colour as `#rgb` or `#rrggbb`, in linear light.
+pub(crate) fn parse_color(text: &str) -> Option<[f64; 3]> {
+    let digits = text.strip_prefix('#')?;
+    let wide: String = match digits.len() {
+        3 => digits.chars().flat_map(|c| [c, c]).collect(),
+        6 => digits.to_string(),
+        _ => return None,
+    };
+    let channel = |i: usize| u8::from_str_radix(wide.get(i..i + 2)?, 16).ok();
+    let channels = [channel(0)?, channel(2)?, channel(4)?];
+    Some(channels.map(|c| sdf_syntax::token::linear_from_srgb(f64::from(c) / 255.0)))
+}

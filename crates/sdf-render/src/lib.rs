@@ -1,11 +1,14 @@
 //! Programs to pictures.
 //!
 //! The typical way is `Program → Frame → Picture`: on the CPU by the interpreter ([`cpu`]), on the GPU by the text
-//! that the emitter writes. Nothing here knows syntax or the names of shapes.
+//! that the emitter writes. Nothing here knows syntax or the names of shapes. Only `gpu` knows wgpu, behind the
+//! feature of that name.
 #![warn(missing_docs)]
 
 pub mod cpu;
 pub mod frame;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod image;
 
 pub use frame::Frame;

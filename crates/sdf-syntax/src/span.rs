@@ -72,3 +72,25 @@ impl Sources {
         (line, column)
     }
 }
+
+/// A span as the parser makes it; the file is its context.
+impl chumsky::span::Span for Span {
+    type Context = FileId;
+    type Offset = u32;
+
+    fn new(file: FileId, range: std::ops::Range<u32>) -> Span {
+        Span { file, start: range.start, end: range.end.max(range.start) }
+    }
+
+    fn context(&self) -> FileId {
+        self.file
+    }
+
+    fn start(&self) -> u32 {
+        self.start
+    }
+
+    fn end(&self) -> u32 {
+        self.end
+    }
+}

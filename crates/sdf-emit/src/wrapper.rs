@@ -1,0 +1,187 @@
+//! What stands before and after the functions: everything that differs between the targets of one language.
+
+use crate::Target;
+use crate::dialect::GLSL;
+use crate::expression::Expression;
+use crate::layout::UniformLayout;
+use crate::symbols::Symbols;
+use sdf_ir::{Constant, Program, Role, Type, Uniform};
+use std::fmt::Write;
+
+/// What a wrapper needs to know.
+pub(crate) struct Wrapper<'a> {
+    /// The program.
+    pub program: &'a Program,
+    /// Its names.
+    pub symbols: &'a Symbols,
+    /// Whether loops need their start.
+    pub loops: bool,
+    /// The call that computes the values of the frame, if there are any, and the one that computes a pixel.
+    pub frame: Option<&'a str>,
+    /// The function from a coordinate to a colour.
+    pub entry: &'a str,
+}
+
+impl Wrapper<'_> {
+    /// The text before the functions.
+    pub fn before(&self, target: Target) -> String {
+        let loops =
+            |start: &str| if self.loops { format!("\n#define ZERO {start}\n") } else { String::new() };
+        match target {
+            Target::Shadertoy => format!("{}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)")),
+            Target::GlslEs => format!("{}{}", self.loose_uniforms(), loops("0")),
+            Target::Glsl450 => format!("{}{}", self.glsl_block(), loops("0")),
+            Target::Wgsl => self.wgsl_block(),
+        }
+    }
+
+    /// The text after the functions.
+    pub fn after(&self, target: Target) -> String {
+        let frame = self.frame.map_or(String::new(), |frame| format!("    {frame}();\n"));
+        let entry = self.entry;
+        match target {
+            Target::Shadertoy => format!(
+                "void mainImage(out vec4 fragColor, in vec2 fragCoord) {{\n{frame}    \
+                 fragColor = vec4({entry}(fragCoord), 1.0);\n}}\n"
+            ),
+            Target::GlslEs => {
+                format!("void main() {{\n{frame}    fragColor = vec4({entry}(gl_FragCoord.xy), 1.0);\n}}\n")
+            }
+            Target::Glsl450 => format!(
+                "void main() {{\n{frame}    vec2 fragCoord = vec2(gl_FragCoord.x, u_resolution.y - gl_FragCoord.y);\n    \
+                 fragColor = vec4({entry}(fragCoord), 1.0);\n}}\n"
+            ),
+            Target::Wgsl => format!(
+                "@vertex
+fn vs_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {{
+    let corner = vec2f(f32(index & 1u), f32(index >> 1u));
+    return vec4f(corner * 4.0 - 1.0, 0.0, 1.0);
+}}
+
+@fragment
+fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
+{frame}    let coordinate = vec2f(position.x, uniforms.resolution.y - position.y);
+    return vec4f({entry}(coordinate), 1.0);
+}}
+"
+            ),
+        }
+    }
+
+    /// The members of the uniform block: type, name and offset.
+    fn block(&self) -> Vec<(Type, &str, usize)> {
+        let layout = UniformLayout::of(self.program);
+        let name = |uniform: Option<usize>| match uniform {
+            Some(i) => self.symbols.uniform_fields[i].as_str(),
+            None => "resolution",
+        };
+        layout.fields.iter().map(|f| (f.ty, name(f.uniform), f.offset)).collect()
+    }
+
+    /// What the block holds and where, as comment lines.
+    pub fn described(&self) -> Vec<String> {
+        let layout = UniformLayout::of(self.program);
+        let mut lines = vec![format!(
+            "one triangle of 3 vertices; the uniform block, group 0, binding 0, {} bytes:",
+            layout.size
+        )];
+        for (field, (ty, name, offset)) in layout.fields.iter().zip(self.block()) {
+            let ty = if ty == Type::Bool { "u32, 0 or 1" } else { crate::dialect::WGSL.ty(ty) };
+            let what = match field.uniform.map(|i| &self.program.uniforms[i]) {
+                Some(uniform) => meaning(uniform),
+                None => RESOLUTION.to_owned(),
+            };
+            lines.push(format!("  at {offset:>3}: {name}: {ty}, {what}"));
+        }
+        lines
+    }
+
+    fn wgsl_block(&self) -> String {
+        let mut out = String::from("struct Uniforms {\n");
+        for (ty, name, _) in self.block() {
+            let ty = if ty == Type::Bool { "u32" } else { crate::dialect::WGSL.ty(ty) };
+            writeln!(out, "    {name}: {ty},").expect("writing to a string cannot fail");
+        }
+        out + "}\n\n@group(0) @binding(0) var<uniform> uniforms: Uniforms;\n"
+    }
+
+    fn glsl_block(&self) -> String {
+        let mut members = String::new();
+        let mut bools = String::new();
+        for (ty, name, _) in self.block() {
+            if ty == Type::Bool {
+                members += &format!("    uint u_{name}_word;\n");
+                bools += &format!("#define u_{name} (u_{name}_word != 0u)\n");
+            } else {
+                members += &format!("    {} u_{name};\n", GLSL.ty(ty));
+            }
+        }
+        format!(
+            "layout(set = 0, binding = 0) uniform Uniforms {{\n{members}}};\n{bools}\n\
+             layout(location = 0) out vec4 fragColor;\n"
+        )
+    }
+
+    fn loose_uniforms(&self) -> String {
+        let mut out = String::from("precision highp float;\nprecision highp int;\n\n");
+        for (uniform, Expression { text: name, .. }) in
+            self.program.uniforms.iter().zip(&self.symbols.uniforms)
+        {
+            writeln!(out, "uniform {} {name}; // {}", GLSL.ty(uniform.ty), meaning(uniform))
+                .expect("writing to a string cannot fail");
+        }
+        out + if self.program.uniforms.is_empty() {
+            "out vec4 fragColor;\n"
+        } else {
+            "\nout vec4 fragColor;\n"
+        }
+    }
+
+    fn shadertoy_uniforms(&self) -> String {
+        let mut out = String::new();
+        for (uniform, Expression { text: name, .. }) in
+            self.program.uniforms.iter().zip(&self.symbols.uniforms)
+        {
+            out += &match uniform.role {
+                Role::Time => format!("#define {name} iTime\n"),
+                Role::Resolution => format!("#define {name} iResolution.xy\n"),
+                // The middle, until the pointer is used.
+                Role::Mouse => format!(
+                    "#define {name} (iMouse.xy == vec2(0.0) ? vec2(0.5) : iMouse.xy / iResolution.xy)\n"
+                ),
+                Role::Param { .. } => {
+                    let ty = GLSL.ty(uniform.ty);
+                    format!("const {ty} {name} = {}; // {}\n", constant(&uniform.default), meaning(uniform))
+                }
+            };
+        }
+        out
+    }
+}
+
+const RESOLUTION: &str = "width and height of the picture in pixels";
+
+/// What a uniform is for, as a comment.
+fn meaning(uniform: &Uniform) -> String {
+    match uniform.role {
+        Role::Time => "seconds".to_owned(),
+        Role::Mouse => "the pointer, 0 to 1 from the bottom left".to_owned(),
+        Role::Resolution => RESOLUTION.to_owned(),
+        Role::Param { range: Some((lo, hi)), .. } => {
+            format!("{} to {}, at first {}", lo as f32, hi as f32, constant(&uniform.default))
+        }
+        Role::Param { color: true, .. } => {
+            format!("a linear colour, at first {}", constant(&uniform.default))
+        }
+        Role::Param { .. } => format!("at first {}", constant(&uniform.default)),
+    }
+}
+
+fn constant(c: &Constant) -> String {
+    let numbers: Vec<Expression> = c.components().iter().map(|x| Expression::number(*x as f32)).collect();
+    match (c, numbers.as_slice()) {
+        (Constant::Bool(b), _) => b.to_string(),
+        (_, [number]) => number.text.clone(),
+        (_, numbers) => Expression::call(GLSL.ty(c.ty()), numbers).text,
+    }
+}

@@ -1,0 +1,180 @@
+//! The diagnostics of meaning: one function each. The message says what is wrong, the help what to do.
+
+use sdf_syntax::tree::Name;
+use sdf_syntax::{Code, Diagnostic, Span};
+
+/// What a name that nothing defines was perhaps meant to be, and what is said of it.
+pub(crate) fn unknown_name(span: Span, name: &str, foreign: Option<&str>, similar: Option<&str>) -> Diagnostic {
+    let d = Diagnostic::new(Code::E020, span, format!("nothing is called `{name}`")).label("not found");
+    match (foreign, similar) {
+        (Some(ours), _) => d.help(ours.to_string()),
+        (None, Some(s)) => d.help(format!("did you mean `{s}`?")),
+        (None, None) => d,
+    }
+}
+
+pub(crate) fn no_point(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E050, span, format!("there is no point `{name}` here"))
+        .label("only a field, a material or a sky has one")
+        .help(format!("write `field {{ … {name} … }}`, or take the point as a parameter"))
+}
+
+pub(crate) fn defined_twice(name: &Name, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E021, name.span, format!("`{}` is defined twice", name.text))
+        .label("here again")
+        .related(first, "first defined here")
+        .help("give one of them another name")
+}
+
+pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic {
+    let mut d = Diagnostic::new(Code::E022, span, format!("`{}` needs itself: {}", path[0], path.join(" → ")))
+        .label("to know this, it must be known");
+    for (name, place) in path.iter().skip(1).zip(places.iter().skip(1)) {
+        if *name != path[0] {
+            d = d.related(*place, format!("`{name}` is defined here"));
+        }
+    }
+    d.help("break the circle")
+}
+
+pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic {
+    Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}")).label(format!("expected {expected}"))
+}
+
+pub(crate) fn operator(span: Span, op: &str, left: &str, right: &str, help: Option<&str>) -> Diagnostic {
+    let d = Diagnostic::new(Code::E031, span, format!("`{op}` does not take {left} and {right}"));
+    match help {
+        Some(h) => d.help(h),
+        None => d,
+    }
+}
+
+pub(crate) fn prefix_operator(span: Span, op: &str, operand: &str, help: Option<&str>) -> Diagnostic {
+    let d = Diagnostic::new(Code::E031, span, format!("`{op}` does not take {operand}"));
+    match help {
+        Some(h) => d.help(h),
+        None => d,
+    }
+}
+
+pub(crate) fn not_callable(span: Span, found: &str) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, format!("{found} cannot be called")).label("not a function or shape")
+}
+
+/// No function of this name takes these arguments; `why` says what hinders the only or the nearest one.
+pub(crate) fn no_fit(span: Span, name: &str, given: &str, why: &str, signatures: &[String]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E032, span, format!("`{name}` does not take {given}")).label(why.to_string());
+    match signatures {
+        [] => d,
+        [one] => d.help(format!("it is called as `{one}`")),
+        many => d.help(format!("it is called as {}", join_or(many))),
+    }
+}
+
+fn join_or(items: &[String]) -> String {
+    let quoted: Vec<String> = items.iter().map(|i| format!("`{i}`")).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.join(""),
+    }
+}
+
+pub(crate) fn ambiguous(span: Span, name: &str, signatures: &[String]) -> Diagnostic {
+    Diagnostic::new(Code::E033, span, format!("this call of `{name}` fits {}", signatures.join(" and ")))
+        .label("which one is meant?")
+        .help("write an argument so that it fits only one, for example a vector instead of a float")
+}
+
+pub(crate) fn no_member(span: Span, name: &str, of: &str, help: Option<String>) -> Diagnostic {
+    let d = Diagnostic::new(Code::E034, span, format!("{of} has no `{name}`"));
+    match help {
+        Some(h) => d.help(h),
+        None => d,
+    }
+}
+
+pub(crate) fn index_out_of_range(span: Span, index: f64, len: usize) -> Diagnostic {
+    Diagnostic::new(Code::E035, span, format!("there is no element {index} in a list of {len}"))
+        .label(if len == 0 { "the list is empty".to_string() } else { format!("0 to {} are there", len - 1) })
+}
+
+pub(crate) fn not_static(span: Span, what: &str) -> Diagnostic {
+    Diagnostic::new(Code::E040, span, format!("{what} must be known when the scene is compiled"))
+        .label("depends on `time`, `mouse`, a param or a point")
+        .help("use a constant here, or freeze the param with `--set`")
+}
+
+pub(crate) fn shape_depends_on_point(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E040, span, "which shape it is must not depend on anything that changes")
+        .label("this condition is not static")
+        .help("choose between numbers inside a `field`, or blend the shapes")
+}
+
+pub(crate) fn not_finite(span: Span, what: &str) -> Diagnostic {
+    Diagnostic::new(Code::E041, span, format!("{what} is too large"))
+        .label("not a finite number")
+        .help("numbers go up to 3.4e38")
+}
+
+pub(crate) fn division_by_zero(span: Span, op: &str) -> Diagnostic {
+    Diagnostic::new(Code::E042, span, format!("the right side of `{op}` is 0")).label("division by zero")
+}
+
+pub(crate) fn out_of_range(span: Span, what: &str, expected: &str) -> Diagnostic {
+    Diagnostic::new(Code::E043, span, format!("{what} is out of range")).label(format!("expected {expected}"))
+}
+
+pub(crate) fn too_long(span: Span, what: &str, limit: u64) -> Diagnostic {
+    Diagnostic::new(Code::E044, span, format!("{what} is longer than the limit of {limit}")).label("here")
+}
+
+pub(crate) fn too_large(span: Span, what: &str, limit: usize) -> Diagnostic {
+    Diagnostic::new(Code::E045, span, format!("the scene needs more than {limit} {what}"))
+        .label("reached the limit here")
+        .help("use `repeat` for copies, or fewer shapes")
+}
+
+pub(crate) fn not_a_distance(span: Span, found: &str) -> Diagnostic {
+    Diagnostic::new(Code::E051, span, format!("a field must give a float, and this gives {found}"))
+        .label("expected the distance to the surface")
+}
+
+pub(crate) fn no_scene(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E060, span, "there is no scene in this file")
+        .help("add one, for example `scene { sphere(1) }`")
+}
+
+pub(crate) fn block_twice(span: Span, what: &str, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E061, span, format!("there are two `{what}` blocks"))
+        .label("here again")
+        .related(first, "the first is here")
+        .help("merge them into one")
+}
+
+pub(crate) fn unknown_setting(name: &Name, block: &str, similar: Option<&str>, all: &[&str]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E062, name.span, format!("`{block}` has no `{}`", name.text));
+    match similar {
+        Some(s) => d.label("not a setting").help(format!("did you mean `{s}`?")),
+        None => d.label("not a setting").help(format!("it has {}", all.join(", "))),
+    }
+}
+
+pub(crate) fn setting_twice(name: &Name, first: Span) -> Diagnostic {
+    Diagnostic::new(Code::E061, name.span, format!("`{}` is set twice", name.text))
+        .label("here again")
+        .related(first, "first set here")
+}
+
+pub(crate) fn wrong_setting(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(Code::E063, span, message).help(help)
+}
+
+pub(crate) fn not_built_yet(span: Span, what: &str, instead: &str) -> Diagnostic {
+    Diagnostic::new(Code::E064, span, format!("{what} is not built yet"))
+        .label("a valid setting, but nothing draws it so far")
+        .help(instead.to_string())
+}
+
+pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(Code::E065, span, message).help(help)
+}

@@ -1,0 +1,809 @@
+//! Elaboration: evaluating expressions to [values](crate::value), which leaves code behind where a value is not
+//! known yet.
+
+use crate::context::{Contexts, Op};
+use crate::errors;
+use crate::names::Names;
+use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
+use sdf_ir::{Binary, Constant, FunctionId, Node, Ternary, Type, Unary};
+use sdf_syntax::tree::{
+    BinaryOp, Binding, Block, Dimension, Expr, ExprKind, Function, Postfix, PostfixKind, UnaryOp,
+};
+use sdf_syntax::{Diagnostic, Sources, Span};
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A diagnostic has been reported; there is no value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reported;
+
+/// A value, or a diagnostic has been reported.
+pub(crate) type Eval<T> = Result<T, Reported>;
+
+/// How deep calls of functions may nest.
+pub(crate) const RECURSION_LIMIT: u32 = 256;
+/// How many elements a loop or list may have.
+const LOOP_LIMIT: usize = 65_536;
+/// How many nodes a program may have.
+const NODE_LIMIT: usize = 1_000_000;
+/// How many expressions elaboration may evaluate: what bounds the time of a nested expansion.
+const WORK_LIMIT: usize = 20_000_000;
+
+/// The state of an item while it is needed.
+#[derive(Debug, Clone)]
+pub(crate) enum Memo<'t> {
+    Running,
+    Done(Eval<Value<'t>>),
+}
+
+/// The elaborator of one file.
+pub(crate) struct Elaborator<'t> {
+    pub sources: &'t Sources,
+    pub names: &'t Names<'t>,
+    pub contexts: Contexts,
+    pub diagnostics: Vec<Diagnostic>,
+    /// The values of items, by module and name.
+    pub items: HashMap<(Module, Arc<str>), Memo<'t>>,
+    /// The items whose values are being found, from the outermost.
+    pub pending: Vec<(Module, Arc<str>, Span)>,
+    /// The functions of named shapes that depend on nothing but the point, by the place of their `let`.
+    pub shape_functions: HashMap<*const (), FunctionId>,
+    /// Functions whose result is no number, which cannot become functions of the program.
+    pub not_outlined: HashSet<*const Function>,
+    /// The functions whose bodies are being evaluated.
+    pub origins: Vec<Origin>,
+    /// The distances that a field samples, while its materials are looked up.
+    pub samples: Option<Vec<crate::surface::Sample<'t>>>,
+    /// The gradients made so far.
+    pub gradients: sdf_ir::gradient::Gradients,
+    /// What `--set` gives to params.
+    pub overrides: HashMap<String, crate::Override>,
+    /// Which fields of materials were seen to be other than their default.
+    pub columns: std::collections::BTreeSet<crate::surface::Column>,
+    /// The shapes of the scene block, for the camera that frames them.
+    pub scene_parts: Vec<Rc<Shape<'t>>>,
+    pub recursion: u32,
+    pub work: usize,
+}
+
+impl<'t> Elaborator<'t> {
+    pub fn report<T>(&mut self, diagnostic: Diagnostic) -> Eval<T> {
+        self.diagnostics.push(diagnostic);
+        Err(Reported)
+    }
+
+    /// The line of the user's file that a place is in; none for the library's.
+    pub fn line(&self, span: Span) -> Option<u32> {
+        (span.file == crate::USER_FILE).then(|| self.sources.line_column(span.file, span.start).0 as u32)
+    }
+
+    /// Counts one piece of work, and refuses to do too much of it.
+    fn count(&mut self, span: Span) -> Eval<()> {
+        self.work += 1;
+        if self.work > WORK_LIMIT || self.contexts.nodes > NODE_LIMIT {
+            self.work = 0;
+            self.contexts.nodes = 0;
+            return self.report(errors::too_large(span, "operations", NODE_LIMIT));
+        }
+        Ok(())
+    }
+
+    // ---- expressions
+
+    /// The value of an expression.
+    pub fn eval(&mut self, expr: &'t Expr, env: &Env<'t>) -> Eval<Value<'t>> {
+        self.count(expr.span)?;
+        match &expr.kind {
+            ExprKind::Number(x) => Ok(Value::float(*x)),
+            ExprKind::Color(c) => Ok(Value::Number(Number::constant(Constant::Vec3(*c)))),
+            ExprKind::Bool(b) => Ok(Value::bool(*b)),
+            ExprKind::Name(name) => self.lookup(name, env, expr.span),
+            ExprKind::Tuple(items) => self.tuple(items, env, expr.span),
+            ExprKind::Record(record) => {
+                let fields: Vec<_> = record
+                    .fields
+                    .iter()
+                    .map(|f| (f.name.text.clone(), self.eval(&f.value, env)))
+                    .collect();
+                let fields = fields.into_iter().map(|(n, v)| v.map(|v| (n, v))).collect::<Eval<_>>()?;
+                Ok(Value::record(fields))
+            }
+            ExprKind::List(items) => Ok(Value::list(self.eval_all(items, env)?)),
+            ExprKind::Block(block) => self.block(block, env),
+            ExprKind::Shape(dimension, block) => Ok(self.field(*dimension, block, env)),
+            ExprKind::Material(record) => {
+                Ok(Value::Material(Rc::new(crate::value::Material::Record { record, env: env.clone() })))
+            }
+            ExprKind::If { condition, then, otherwise } => self.choice(condition, then, otherwise, env),
+            ExprKind::For { name, list, body } => {
+                let items = self.eval(list, env)?;
+                let items = self.as_list(items, list.span)?;
+                let mut out = Vec::with_capacity(items.len());
+                for item in items {
+                    let inner = env.bind(name.text.clone(), item);
+                    out.push(self.block(body, &inner)?);
+                }
+                Ok(Value::list(out))
+            }
+            ExprKind::Lambda(lambda) => {
+                Ok(Value::Function(Rc::new(Callable::Lambda { lambda, env: env.clone() })))
+            }
+            ExprKind::Unary(op, operand) => {
+                let value = self.eval(operand, env)?;
+                self.prefix(*op, value, expr.span)
+            }
+            ExprKind::Chain { first, rest } => self.chain(first, rest, env),
+            ExprKind::Postfix { base, operations } => self.postfix(base, operations, env),
+            ExprKind::Error => Err(Reported),
+        }
+    }
+
+    /// The values of several expressions; all are evaluated, so that all mistakes in them are found.
+    pub fn eval_all(&mut self, items: &'t [Expr], env: &Env<'t>) -> Eval<Vec<Value<'t>>> {
+        let values: Vec<_> = items.iter().map(|e| self.eval(e, env)).collect();
+        values.into_iter().collect()
+    }
+
+    /// The value of a block.
+    pub fn block(&mut self, block: &'t Block, env: &Env<'t>) -> Eval<Value<'t>> {
+        let env = self.bind_all(&block.bindings, env)?;
+        self.eval(&block.result, &env)
+    }
+
+    fn bind_all(&mut self, bindings: &'t [Binding], env: &Env<'t>) -> Eval<Env<'t>> {
+        let mut env = env.clone();
+        for binding in bindings {
+            let value = self.eval(&binding.value, &env)?;
+            env = env.bind(binding.name.text.clone(), self.give_name(value, &binding.name.text));
+        }
+        Ok(env)
+    }
+
+    /// Hands the name of a `let` on to the node that it names.
+    fn give_name(&mut self, value: Value<'t>, name: &Arc<str>) -> Value<'t> {
+        let Value::Number(number) = value else { return value };
+        if let crate::value::Repr::Local(depth, node) = number.repr
+            && depth == self.contexts.depth()
+            && !matches!(self.contexts.builder().node(node), Node::Argument(..) | Node::Float(_))
+        {
+            self.contexts.builder().name(node, name);
+        }
+        Value::Number(Number { name: Some(name.clone()), ..number })
+    }
+
+    fn field(&mut self, dimension: Dimension, block: &'t Block, env: &Env<'t>) -> Value<'t> {
+        let origin = self.origins.last().cloned();
+        let painted = env.traits().painted;
+        let kind = ShapeKind::Field { block, env: env.clone(), origin };
+        Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+    }
+
+    fn tuple(&mut self, items: &'t [Expr], env: &Env<'t>, span: Span) -> Eval<Value<'t>> {
+        let values = self.eval_all(items, env)?;
+        let mut parts = Vec::new();
+        for (value, item) in values.into_iter().zip(items) {
+            let number = self.as_number(value, item.span)?;
+            if number.ty == Type::Bool {
+                return self.report(errors::wrong_type(item.span, "a float", "a bool"));
+            }
+            for i in 0..number.ty.size() {
+                parts.push(self.component(&number, i));
+            }
+        }
+        if !(2..=3).contains(&parts.len()) {
+            return self.report(
+                errors::wrong_type(span, "a vec2 or vec3", &format!("a tuple of {} numbers", parts.len()))
+                    .help("vectors have two or three components; write a list with `[ ]`"),
+            );
+        }
+        Ok(Value::Number(self.contexts.apply(Op::Compose, &parts)))
+    }
+
+    // ---- names
+
+    fn lookup(&mut self, name: &Arc<str>, env: &Env<'t>, span: Span) -> Eval<Value<'t>> {
+        if let Some(value) = env.get(name) {
+            return Ok(value.clone());
+        }
+        self.global(name, env.module, span)
+    }
+
+    /// All functions that `name` can mean where no variable hides them.
+    pub fn overloads(&self, name: &str, module: Module) -> Vec<Candidate<'t>> {
+        self.names.functions(name, module)
+    }
+
+    // ---- prefix and infix operators
+
+    fn prefix(&mut self, op: UnaryOp, value: Value<'t>, span: Span) -> Eval<Value<'t>> {
+        match (op, &value) {
+            (UnaryOp::Negate, Value::Number(n)) if n.ty != Type::Bool => {
+                self.unary(Unary::Negate, n, span).map(Value::Number)
+            }
+            (UnaryOp::Not, Value::Number(n)) if n.ty == Type::Bool => {
+                self.unary(Unary::Not, n, span).map(Value::Number)
+            }
+            (UnaryOp::Not, Value::Shape(s)) => {
+                self.call_named("complement", s.dimension, vec![value.clone()], span)
+            }
+            (UnaryOp::Negate, Value::Shape(_)) => self.report(errors::prefix_operator(
+                span,
+                "-",
+                "a shape",
+                Some("the complement of a shape is `!s`"),
+            )),
+            (op, value) => {
+                let (symbol, help) = match op {
+                    UnaryOp::Negate => ("-", None),
+                    UnaryOp::Not => ("!", Some("`!` takes a bool or a shape")),
+                };
+                let found = value.describe();
+                self.report(errors::prefix_operator(span, symbol, &found, help))
+            }
+        }
+    }
+
+    fn chain(
+        &mut self,
+        first: &'t Expr,
+        rest: &'t [(BinaryOp, Span, Expr)],
+        env: &Env<'t>,
+    ) -> Eval<Value<'t>> {
+        if rest.len() >= 2 && rest.iter().all(|(op, ..)| *op == BinaryOp::Union) {
+            return self.union_chain(first, rest, env);
+        }
+        let mut left = self.eval(first, env);
+        for (op, op_span, right) in rest {
+            let span = first.span.to(right.span);
+            let right_value = self.eval(right, env);
+            left = match (left, right_value) {
+                (Ok(l), Ok(r)) => self.infix(*op, l, r, span, *op_span),
+                _ => Err(Reported),
+            };
+        }
+        left
+    }
+
+    /// `a | b | c …` is one union, so that ten thousand shapes are one list and not a tower.
+    fn union_chain(
+        &mut self,
+        first: &'t Expr,
+        rest: &'t [(BinaryOp, Span, Expr)],
+        env: &Env<'t>,
+    ) -> Eval<Value<'t>> {
+        let all: Vec<_> = std::iter::once(first)
+            .chain(rest.iter().map(|(_, _, e)| e))
+            .map(|e| self.eval(e, env).map(|v| (v, e.span)))
+            .collect();
+        let all = all.into_iter().collect::<Eval<Vec<_>>>()?;
+        let Value::Shape(shape) = &all[0].0 else {
+            let found = all[0].0.describe();
+            let second = all[1].0.describe();
+            return self.report(self.infix_error(BinaryOp::Union, &found, &second, rest[0].1));
+        };
+        let dimension = shape.dimension;
+        for (i, (value, _)) in all.iter().enumerate().skip(1) {
+            if !matches!(value, Value::Shape(s) if s.dimension == dimension) {
+                let (left, right) = (all[0].0.describe(), value.describe());
+                return self.report(self.infix_error(BinaryOp::Union, &left, &right, rest[i - 1].1));
+            }
+        }
+        let span = first.span.to(rest[rest.len() - 1].2.span);
+        self.call_named("union", dimension, all.into_iter().map(|(v, _)| v).collect(), span)
+    }
+
+    fn infix(
+        &mut self,
+        op: BinaryOp,
+        left: Value<'t>,
+        right: Value<'t>,
+        span: Span,
+        op_span: Span,
+    ) -> Eval<Value<'t>> {
+        match (&left, &right) {
+            (Value::Number(a), Value::Number(b)) => {
+                let (a, b) = (a.clone(), b.clone());
+                self.infix_numbers(op, a, b, span, op_span)
+            }
+            (Value::Shape(a), Value::Shape(b)) if a.dimension == b.dimension => {
+                let dimension = a.dimension;
+                let name = match op {
+                    BinaryOp::Union => "union",
+                    BinaryOp::Intersection => "intersection",
+                    BinaryOp::Subtract => "difference",
+                    _ => {
+                        let (l, r) = (left.describe(), right.describe());
+                        return self.report(self.infix_error(op, &l, &r, op_span));
+                    }
+                };
+                self.call_named(name, dimension, vec![left, right], span)
+            }
+            _ => {
+                let (l, r) = (left.describe(), right.describe());
+                self.report(self.infix_error(op, &l, &r, op_span))
+            }
+        }
+    }
+
+    fn infix_error(&self, op: BinaryOp, left: &str, right: &str, span: Span) -> Diagnostic {
+        let shape = |s: &str| s.ends_with("shape");
+        let help = match op {
+            BinaryOp::Add if shape(left) && shape(right) => Some("the union of two shapes is `a | b`"),
+            BinaryOp::Add if shape(left) => Some("to make a shape thicker, use `.round(r)`; to move it, `.at(v)`"),
+            BinaryOp::Subtract if shape(left) && !shape(right) => {
+                Some("to make a shape thicker, use `.round(r)`")
+            }
+            BinaryOp::Multiply if shape(left) && shape(right) => Some("the intersection of two shapes is `a & b`"),
+            BinaryOp::Multiply if shape(left) || shape(right) => Some("to scale a shape, use `.scale(factor)`"),
+            BinaryOp::And if shape(left) => Some("the intersection of two shapes is `a & b`"),
+            BinaryOp::Or if shape(left) => Some("the union of two shapes is `a | b`"),
+            BinaryOp::Union | BinaryOp::Intersection if !shape(left) && !shape(right) => {
+                Some("`|` and `&` are for shapes; for bools use `||` and `&&`")
+            }
+            _ if left == "a shape" && right == "a 2D shape" || left == "a 2D shape" && right == "a shape" => {
+                Some("make the 2D shape solid with `.extrude(h)` or `.revolve()`")
+            }
+            _ => None,
+        };
+        errors::operator(span, op.symbol(), left, right, help)
+    }
+
+    fn infix_numbers(
+        &mut self,
+        op: BinaryOp,
+        a: Number,
+        b: Number,
+        span: Span,
+        op_span: Span,
+    ) -> Eval<Value<'t>> {
+        let bools = a.ty == Type::Bool && b.ty == Type::Bool;
+        let numbers = a.ty != Type::Bool && b.ty != Type::Bool;
+        let floats = a.ty == Type::Float && b.ty == Type::Float;
+        let fits = match op {
+            BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::Modulo => {
+                numbers && (a.ty == b.ty || a.ty == Type::Float || b.ty == Type::Float)
+            }
+            BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual => floats,
+            BinaryOp::Equal | BinaryOp::NotEqual => floats || bools,
+            BinaryOp::And | BinaryOp::Or => bools,
+            BinaryOp::Range => floats,
+            BinaryOp::Union | BinaryOp::Intersection => false,
+        };
+        if !fits {
+            let (l, r) = (crate::value::describe_type(a.ty), crate::value::describe_type(b.ty));
+            return self.report(self.infix_error(op, l, r, op_span));
+        }
+        let number = match op {
+            BinaryOp::Add => self.binary(Binary::Add, &a, &b, span)?,
+            BinaryOp::Subtract => self.binary(Binary::Subtract, &a, &b, span)?,
+            BinaryOp::Multiply => self.binary(Binary::Multiply, &a, &b, span)?,
+            BinaryOp::Divide => self.binary(Binary::Divide, &a, &b, span)?,
+            BinaryOp::Modulo => self.binary(Binary::Modulo, &a, &b, span)?,
+            BinaryOp::Less => self.binary(Binary::Less, &a, &b, span)?,
+            BinaryOp::LessEqual => self.binary(Binary::LessEqual, &a, &b, span)?,
+            BinaryOp::Greater => self.binary(Binary::Less, &b, &a, span)?,
+            BinaryOp::GreaterEqual => self.binary(Binary::LessEqual, &b, &a, span)?,
+            BinaryOp::Equal => self.binary(Binary::Equal, &a, &b, span)?,
+            BinaryOp::NotEqual => {
+                let equal = self.binary(Binary::Equal, &a, &b, span)?;
+                self.unary(Unary::Not, &equal, span)?
+            }
+            BinaryOp::And => self.binary(Binary::And, &a, &b, span)?,
+            BinaryOp::Or => self.binary(Binary::Or, &a, &b, span)?,
+            BinaryOp::Range => return self.range(&a, &b, span),
+            BinaryOp::Union | BinaryOp::Intersection => unreachable!("refused above"),
+        };
+        Ok(Value::Number(number))
+    }
+
+    fn range(&mut self, from: &Number, to: &Number, span: Span) -> Eval<Value<'t>> {
+        let (Some(Constant::Float(from)), Some(Constant::Float(to))) = (from.known(), to.known()) else {
+            return self.report(errors::not_static(span, "the ends of a range"));
+        };
+        if from.fract() != 0.0 || to.fract() != 0.0 {
+            return self.report(errors::out_of_range(span, "an end of this range", "whole numbers"));
+        }
+        let count = (to - from).max(0.0);
+        if count > LOOP_LIMIT as f64 {
+            return self.report(errors::too_long(span, "this range", LOOP_LIMIT as u64));
+        }
+        Ok(Value::list((0..count as usize).map(|i| Value::float(from + i as f64)).collect()))
+    }
+
+    // ---- if
+
+    fn choice(
+        &mut self,
+        condition: &'t Expr,
+        then: &'t Block,
+        otherwise: &'t Block,
+        env: &Env<'t>,
+    ) -> Eval<Value<'t>> {
+        let value = self.eval(condition, env)?;
+        let c = self.as_typed(value, Type::Bool, condition.span)?;
+        match c.known() {
+            Some(Constant::Bool(true)) => return self.block(then, env),
+            Some(_) => return self.block(otherwise, env),
+            None => {}
+        }
+        if crate::outline::is_costly(then) || crate::outline::is_costly(otherwise) {
+            return self.branch(&c, condition.span, then, otherwise, env);
+        }
+        let a = self.block(then, env)?;
+        let b = self.block(otherwise, env)?;
+        let (a, b) = self.alike(a, b, then.result.span, otherwise.result.span)?;
+        self.zip(&a, &b, condition.span, &mut |this, x, y| {
+            Ok(this.contexts.apply(Op::Ternary(Ternary::Select), &[c.clone(), x.clone(), y.clone()]))
+        })
+    }
+
+    /// An `if` of which only one side is computed.
+    fn branch(
+        &mut self,
+        condition: &Number,
+        span: Span,
+        then: &'t Block,
+        otherwise: &'t Block,
+        env: &Env<'t>,
+    ) -> Eval<Value<'t>> {
+        let c = self.contexts.value(condition);
+        let then_region = self.contexts.builder().open_region(&[]);
+        let a = self.block(then, env).and_then(|v| self.flatten(&v, then.result.span));
+        let a_values: Vec<_> = a.iter().flat_map(|(_, n)| n).map(|n| self.contexts.value(n)).collect();
+        self.contexts.builder().close_region(a_values);
+        let else_region = self.contexts.builder().open_region(&[]);
+        let b = self.block(otherwise, env).and_then(|v| self.flatten(&v, otherwise.result.span));
+        let b_numbers = match (&a, &b) {
+            (Ok((_, a)), Ok((_, b))) if a.len() == b.len() => {
+                let mut out = Vec::new();
+                for (x, y) in a.iter().zip(b) {
+                    out.push(self.widen(y, x.ty, otherwise.result.span));
+                }
+                out.into_iter().collect::<Eval<Vec<_>>>()
+            }
+            (Ok(_), Ok(_)) => {
+                self.report(errors::wrong_type(span, "two values of one kind", "a choice between two kinds"))
+            }
+            _ => Err(Reported),
+        };
+        let b_values: Vec<_> = b_numbers.iter().flatten().map(|n| self.contexts.value(n)).collect();
+        self.contexts.builder().close_region(b_values);
+        let (template, _) = a?;
+        b_numbers?;
+        let results = self.contexts.builder().branch(c, then_region, else_region);
+        self.unflatten(&template, &results)
+    }
+
+    /// Two values of one kind, floats widened where the other is a vector.
+    fn alike(
+        &mut self,
+        a: Value<'t>,
+        b: Value<'t>,
+        a_span: Span,
+        b_span: Span,
+    ) -> Eval<(Value<'t>, Value<'t>)> {
+        match (&a, &b) {
+            (Value::Number(x), Value::Number(y)) if x.ty != y.ty => {
+                let ty = x.ty.max(y.ty);
+                let x = self.widen(x, ty, a_span)?;
+                let y = self.widen(y, ty, b_span)?;
+                Ok((Value::Number(x), Value::Number(y)))
+            }
+            (Value::Number(_), Value::Number(_)) | (Value::Record(_), Value::Record(_)) => Ok((a, b)),
+            (Value::Shape(_), _) | (_, Value::Shape(_)) => self.report(errors::shape_depends_on_point(a_span)),
+            _ => self.report(errors::not_static(a_span, "which of these it is")),
+        }
+    }
+
+    /// Combines the numbers of two values of one form.
+    fn zip(
+        &mut self,
+        a: &Value<'t>,
+        b: &Value<'t>,
+        span: Span,
+        f: &mut dyn FnMut(&mut Self, &Number, &Number) -> Eval<Number>,
+    ) -> Eval<Value<'t>> {
+        match (a, b) {
+            (Value::Number(x), Value::Number(y)) => {
+                let ty = x.ty.max(y.ty);
+                let (x, y) = (self.widen(x, ty, span)?, self.widen(y, ty, span)?);
+                f(self, &x, &y).map(Value::Number)
+            }
+            (Value::Record(x), Value::Record(y)) if x.fields.len() == y.fields.len() => {
+                let mut fields = Vec::new();
+                for (name, left) in &x.fields {
+                    let Some(right) = y.get(name) else {
+                        return self.report(errors::no_member(span, name, "the other record", None));
+                    };
+                    fields.push((name.clone(), self.zip(left, right, span, f)?));
+                }
+                Ok(Value::record(fields))
+            }
+            (a, b) => {
+                let (expected, found) = (a.describe(), b.describe());
+                self.report(errors::wrong_type(span, &expected, &found))
+            }
+        }
+    }
+
+    // ---- postfix operations
+
+    fn postfix(&mut self, base: &'t Expr, operations: &'t [Postfix], env: &Env<'t>) -> Eval<Value<'t>> {
+        let mut rest = operations.iter();
+        let mut value = match (&base.kind, operations.first().map(|o| &o.kind)) {
+            (ExprKind::Name(name), Some(PostfixKind::Call(arguments))) if env.get(name).is_none() => {
+                rest.next();
+                let span = base.span.to(operations[0].span);
+                self.call_by_name(name, base.span, arguments, env, span)?
+            }
+            _ => self.eval(base, env)?,
+        };
+        for operation in rest {
+            let span = base.span.to(operation.span);
+            value = match &operation.kind {
+                PostfixKind::Call(arguments) => self.call_value(value, arguments, env, span)?,
+                PostfixKind::Method(name, arguments) => self.method(value, name, arguments, env, span)?,
+                PostfixKind::Member(name) => self.member(value, &name.text, name.span)?,
+                PostfixKind::Index(index) => {
+                    let i = self.eval(index, env)?;
+                    self.index(value, i, base.span, index.span)?
+                }
+            };
+        }
+        Ok(value)
+    }
+
+    fn member(&mut self, value: Value<'t>, name: &Arc<str>, span: Span) -> Eval<Value<'t>> {
+        match &value {
+            Value::Record(record) => match record.get(name) {
+                Some(v) => Ok(v.clone()),
+                None => {
+                    let all: Vec<&str> = record.fields.iter().map(|(n, _)| &**n).collect();
+                    let help = match sdf_syntax::did_you_mean(name, all.iter().copied()) {
+                        Some(s) => format!("did you mean `{s}`?"),
+                        None => format!("it has {}", all.join(", ")),
+                    };
+                    self.report(errors::no_member(span, name, "this record", Some(help)))
+                }
+            },
+            Value::Number(n) if n.ty != Type::Bool => match swizzle(name, n.ty) {
+                Some(indices) => {
+                    let parts: Vec<Number> = indices.iter().map(|i| self.component(n, *i)).collect();
+                    Ok(Value::Number(match &parts[..] {
+                        [one] => one.clone(),
+                        parts => self.contexts.apply(Op::Compose, parts),
+                    }))
+                }
+                None => {
+                    let found = value.describe();
+                    let help = match n.ty {
+                        Type::Float => "a float has no components".to_string(),
+                        Type::Vec2 => "its components are `.x` and `.y`, in any order and number up to 3".into(),
+                        _ => "its components are `.x .y .z` or `.r .g .b`, in any order, up to 3".into(),
+                    };
+                    self.report(errors::no_member(span, name, &found, Some(help)))
+                }
+            },
+            _ => {
+                let found = value.describe();
+                self.report(errors::no_member(
+                    span,
+                    name,
+                    &found,
+                    Some(format!("to call a function, write `.{name}(…)`")),
+                ))
+            }
+        }
+    }
+
+    fn index(&mut self, value: Value<'t>, index: Value<'t>, span: Span, index_span: Span) -> Eval<Value<'t>> {
+        let index = self.as_typed(index, Type::Float, index_span)?;
+        let Some(Constant::Float(i)) = index.known() else {
+            return self.report(errors::not_static(index_span, "an index"));
+        };
+        match &value {
+            Value::List(list) => {
+                if i < 0.0 || i.fract() != 0.0 || i as usize >= list.items.len() {
+                    return self.report(errors::index_out_of_range(index_span, i, list.items.len()));
+                }
+                Ok(list.items[i as usize].clone())
+            }
+            Value::Number(n) if n.ty.is_vector() => {
+                if i < 0.0 || i.fract() != 0.0 || i as usize >= n.ty.size() {
+                    return self.report(errors::index_out_of_range(index_span, i, n.ty.size()));
+                }
+                Ok(Value::Number(self.component(n, i as usize)))
+            }
+            other => {
+                let found = other.describe();
+                self.report(errors::wrong_type(span, "a list or vector", &found))
+            }
+        }
+    }
+
+    // ---- what a value is
+
+    /// The number that a value is.
+    pub fn as_number(&mut self, value: Value<'t>, span: Span) -> Eval<Number> {
+        match value {
+            Value::Number(n) => Ok(n),
+            other => {
+                let found = other.describe();
+                self.report(errors::wrong_type(span, "a number", &found))
+            }
+        }
+    }
+
+    /// The number of a type that a value is; floats are widened.
+    pub fn as_typed(&mut self, value: Value<'t>, ty: Type, span: Span) -> Eval<Number> {
+        match &value {
+            Value::Number(n) => self.widen(n, ty, span),
+            other => {
+                let found = other.describe();
+                self.report(errors::wrong_type(span, crate::value::describe_type(ty), &found))
+            }
+        }
+    }
+
+    /// The shape that a value is.
+    pub fn as_shape(&mut self, value: Value<'t>, span: Span) -> Eval<Rc<Shape<'t>>> {
+        match value {
+            Value::Shape(s) => Ok(s),
+            other => {
+                let found = other.describe();
+                self.report(errors::wrong_type(span, "a shape", &found))
+            }
+        }
+    }
+
+    /// The elements of a list.
+    pub fn as_list(&mut self, value: Value<'t>, span: Span) -> Eval<Vec<Value<'t>>> {
+        match value {
+            Value::List(l) => Ok(l.items.clone()),
+            other => {
+                let found = other.describe();
+                self.report(errors::wrong_type(span, "a list", &found))
+            }
+        }
+    }
+
+    /// A number of type `ty`, a float being widened to a vector.
+    pub fn widen(&mut self, n: &Number, ty: Type, span: Span) -> Eval<Number> {
+        if n.ty == ty {
+            return Ok(n.clone());
+        }
+        if n.ty == Type::Float && ty.is_vector() {
+            return Ok(self.contexts.apply(Op::Compose, &vec![n.clone(); ty.size()]));
+        }
+        self.report(errors::wrong_type(span, crate::value::describe_type(ty), crate::value::describe_type(n.ty)))
+    }
+
+    // ---- numbers
+
+    /// A component of a vector; a float is its own.
+    pub fn component(&mut self, n: &Number, index: usize) -> Number {
+        if n.ty.is_vector() { self.contexts.apply(Op::Component(index as u8), std::slice::from_ref(n)) } else { n.clone() }
+    }
+
+    /// An operation on one number.
+    pub fn unary(&mut self, op: Unary, a: &Number, span: Span) -> Eval<Number> {
+        let result = self.contexts.apply(Op::Unary(op), std::slice::from_ref(a));
+        self.finite(result, span)
+    }
+
+    /// An operation on two numbers; floats are widened where the operation wants equal types.
+    pub fn binary(&mut self, op: Binary, a: &Number, b: &Number, span: Span) -> Eval<Number> {
+        if matches!(op, Binary::Divide | Binary::Modulo)
+            && a.known().is_some()
+            && b.known().is_some_and(|c| c.components().contains(&0.0))
+        {
+            let symbol = if op == Binary::Divide { "/" } else { "%" };
+            return self.report(errors::division_by_zero(span, symbol));
+        }
+        let mixed = matches!(op, Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide);
+        let ty = a.ty.max(b.ty);
+        let (a, b) = if mixed || a.ty == b.ty {
+            (a.clone(), b.clone())
+        } else {
+            (self.widen(a, ty, span)?, self.widen(b, ty, span)?)
+        };
+        let result = self.contexts.apply(Op::Binary(op), &[a, b]);
+        self.finite(result, span)
+    }
+
+    /// A static result that is no number of the language is an error.
+    pub fn finite(&mut self, n: Number, span: Span) -> Eval<Number> {
+        match n.known() {
+            Some(c) if !c.is_finite() => self.report(errors::not_finite(span, "this result")),
+            _ => Ok(n),
+        }
+    }
+
+    // ---- values as lists of numbers
+
+    /// The numbers of a value and its form.
+    pub fn flatten(&mut self, value: &Value<'t>, span: Span) -> Eval<(Value<'t>, Vec<Number>)> {
+        let mut out = Vec::new();
+        self.flatten_into(value, span, &mut out)?;
+        Ok((value.clone(), out))
+    }
+
+    fn flatten_into(&mut self, value: &Value<'t>, span: Span, out: &mut Vec<Number>) -> Eval<()> {
+        match value {
+            Value::Number(n) => out.push(n.clone()),
+            Value::Record(r) => {
+                for (name, v) in &r.fields {
+                    let first = out.len();
+                    self.flatten_into(v, span, out)?;
+                    if let [only] = &mut out[first..] {
+                        only.name = Some(name.clone());
+                    }
+                }
+            }
+            Value::List(l) => {
+                for v in &l.items {
+                    self.flatten_into(v, span, out)?;
+                }
+            }
+            other => {
+                let found = other.describe();
+                return self.report(errors::wrong_type(span, "a number, or a record of numbers", &found));
+            }
+        }
+        Ok(())
+    }
+
+    /// A value of the same form as `template` made of nodes of the innermost function.
+    pub fn unflatten(&mut self, template: &Value<'t>, nodes: &[sdf_ir::Value]) -> Eval<Value<'t>> {
+        let depth = self.contexts.depth();
+        let numbers: Vec<Number> = nodes
+            .iter()
+            .map(|v| {
+                let ty = self.contexts.builder().ty(*v);
+                self.contexts.local(depth, *v, ty)
+            })
+            .collect();
+        Ok(rebuild(template, &mut numbers.into_iter()))
+    }
+}
+
+/// A value of the form of `template` with other numbers.
+pub(crate) fn rebuild<'t>(template: &Value<'t>, numbers: &mut dyn Iterator<Item = Number>) -> Value<'t> {
+    match template {
+        Value::Number(old) => {
+            let new = numbers.next().expect("as many numbers as the form has");
+            Value::Number(match &old.name {
+                Some(name) => new.named(name),
+                None => new,
+            })
+        }
+        Value::Record(r) => {
+            Value::record(r.fields.iter().map(|(n, v)| (n.clone(), rebuild(v, numbers))).collect())
+        }
+        Value::List(l) => Value::list(l.items.iter().map(|v| rebuild(v, numbers)).collect()),
+        other => other.clone(),
+    }
+}
+
+/// The components that a swizzle names, or `None` where it is none.
+fn swizzle(name: &str, ty: Type) -> Option<Vec<usize>> {
+    if name.is_empty() || name.len() > 3 || !ty.is_vector() {
+        return None;
+    }
+    ["xyz", "rgb"].iter().find_map(|set| {
+        name.chars().map(|c| set[..ty.size()].find(c)).collect::<Option<Vec<usize>>>()
+    })
+}
+
+/// Marks a shape as the user's own under a name, unless it has one already.
+pub(crate) fn name_shape<'t>(value: Value<'t>, name: &Arc<str>, span: Span, thunk: Thunk<'t>) -> Value<'t> {
+    match value {
+        Value::Shape(shape) if !matches!(shape.kind, ShapeKind::Named { .. }) => {
+            let (dimension, painted) = (shape.dimension, shape.painted);
+            let kind = ShapeKind::Named { name: name.clone(), span, thunk, inner: shape };
+            Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+        }
+        other => other,
+    }
+}

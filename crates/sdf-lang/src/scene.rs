@@ -1,0 +1,304 @@
+//! A file as a scene: its shapes, its settings, and the renderer round them.
+
+use crate::context::Contexts;
+use crate::errors;
+use crate::eval::{Elaborator, Eval, Reported, name_shape};
+use crate::library;
+use crate::names::Names;
+use crate::surface::Column;
+use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::{Options, Scene, Summary};
+use sdf_ir::{Constant, Role, Type};
+use sdf_syntax::tree::{Dimension, File};
+use sdf_syntax::{Diagnostic, Sources, Span};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Elaborates a file: the scene, if there is no error, and what is to be said.
+pub(crate) fn elaborate(sources: &Sources, tree: &File, options: &Options) -> (Option<Scene>, Vec<Diagnostic>) {
+    let library = library::library();
+    let mut diagnostics = Vec::new();
+    let std: Vec<&File> = library.std.iter().collect();
+    let runtime: Vec<&File> = library.runtime.iter().collect();
+    let names = Names::new(tree, &std, &runtime, &mut diagnostics);
+    names.check(&mut diagnostics);
+    let mut elaborator = Elaborator {
+        sources,
+        names: &names,
+        contexts: Contexts::new(),
+        diagnostics,
+        items: HashMap::new(),
+        pending: Vec::new(),
+        shape_functions: HashMap::new(),
+        not_outlined: HashSet::new(),
+        origins: Vec::new(),
+        samples: None,
+        gradients: sdf_ir::gradient::Gradients::default(),
+        overrides: options.set.iter().cloned().collect(),
+        columns: BTreeSet::new(),
+        scene_parts: Vec::new(),
+        recursion: 0,
+        work: 0,
+    };
+    let scene = elaborator.scene(options);
+    let Elaborator { contexts, diagnostics, .. } = elaborator;
+    let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|(map_id, pixel, summary)| {
+        let mut program = contexts.into_program();
+        program.entry = Some(pixel);
+        let roots: Vec<_> = map_id.into_iter().collect();
+        let (program, kept) = sdf_ir::simplify(&program, &roots);
+        debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
+        Scene { map: kept.first().copied(), program, summary }
+    });
+    (scene, diagnostics)
+}
+
+impl<'t> Elaborator<'t> {
+    fn scene(
+        &mut self,
+        options: &Options,
+    ) -> Eval<(Option<sdf_ir::FunctionId>, sdf_ir::FunctionId, Summary)> {
+        self.check_overrides(options);
+        self.evaluate_all_items();
+        let shapes = self.scene_shapes();
+        let Ok(shapes) = shapes else {
+            // The settings are still checked, so that all mistakes are reported in one run.
+            self.scene_parts = Vec::new();
+            let _: Eval<_> = self.settings();
+            return Err(Reported);
+        };
+        self.scene_parts = shapes.clone();
+        let settings = self.settings()?;
+        let painted = shapes.iter().any(|s| s.painted);
+        let union = Rc::new(Shape {
+            dimension: Dimension::Three,
+            kind: ShapeKind::Union { shapes: shapes.clone() },
+            painted,
+        });
+        let map = name_shape(Value::Shape(union), &Arc::from("map"), Span::default(), Thunk::Fixed);
+        let glows = self.glows(&shapes)?;
+        let summary = self.summary(&settings, &glows, shapes.len());
+        let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
+        let mut fields = settings;
+        fields.push((Arc::from("map"), map.clone()));
+        fields.push((Arc::from("glows"), glows));
+        fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        let pixel = self.pixel(Value::record(fields))?;
+        let Value::Shape(map) = map else { unreachable!("a shape was named") };
+        let map_id = match &map.kind {
+            ShapeKind::Named { inner, .. } => self.shape_functions.get(&Rc::as_ptr(inner).cast::<()>()).copied(),
+            _ => None,
+        };
+        Ok((map_id, pixel, summary))
+    }
+
+    /// The function of a pixel: the renderer's, with the scene filled in.
+    fn pixel(&mut self, scene: Value<'t>) -> Eval<sdf_ir::FunctionId> {
+        let [function] = self.names.runtime.functions["pixel"][..] else {
+            unreachable!("the renderer has one function for a pixel")
+        };
+        let name: Arc<str> = Arc::from("pixel");
+        self.contexts.open(&name, None);
+        let coordinate = self.contexts.entry_parameter("coordinate", Type::Vec2);
+        let arguments =
+            [(Arc::from("scene"), scene), (Arc::from("coordinate"), Value::Number(coordinate))];
+        let color = self
+            .evaluate_body(function, Module::Runtime, &arguments)
+            .and_then(|v| self.as_typed(v, Type::Vec3, function.name.span));
+        match color {
+            Ok(color) => {
+                let color = self.contexts.value(&color);
+                Ok(self.contexts.finish(vec![(color, Arc::from("color"))]).0)
+            }
+            Err(Reported) => {
+                self.contexts.discard();
+                Err(Reported)
+            }
+        }
+    }
+
+    /// The shapes of the scene block; mistakes in one do not hide those in another.
+    fn scene_shapes(&mut self) -> Eval<Vec<Rc<Shape<'t>>>> {
+        let scenes = &self.names.user.scenes;
+        let Some((scene, place)) = scenes.first() else {
+            return self.report(errors::no_scene(Span::default()));
+        };
+        if let Some((_, again)) = scenes.get(1) {
+            self.diagnostics.push(errors::block_twice(*again, "scene", *place));
+        }
+        let mut env = Env::new(Module::User);
+        let mut failed = false;
+        for binding in &scene.bindings {
+            match self.eval(&binding.value, &env) {
+                Ok(value) => {
+                    let value = match value {
+                        Value::Number(n) => Value::Number(n.named(&binding.name.text)),
+                        v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
+                    };
+                    env = env.bind(binding.name.text.clone(), value);
+                }
+                Err(Reported) => return Err(Reported),
+            }
+        }
+        let mut shapes = Vec::new();
+        for expr in &scene.shapes {
+            let value = self.eval(expr, &env);
+            match value.and_then(|v| self.scene_shape(v, expr.span)) {
+                Ok(found) => shapes.extend(found),
+                Err(Reported) => failed = true,
+            }
+        }
+        if failed { Err(Reported) } else { Ok(shapes) }
+    }
+
+    /// One entry of the scene block: a shape, or a list of shapes.
+    fn scene_shape(&mut self, value: Value<'t>, span: Span) -> Eval<Vec<Rc<Shape<'t>>>> {
+        match value {
+            Value::List(list) => {
+                list.items.iter().map(|v| self.scene_shape(v.clone(), span)).collect::<Eval<Vec<_>>>().map(|v| v.concat())
+            }
+            Value::Shape(s) if s.dimension == Dimension::Two => self.report(
+                errors::wrong_type(span, "a shape", "a 2D shape")
+                    .help("make it solid with `.extrude(h)` or `.revolve()`"),
+            ),
+            other => self.as_shape(other, span).map(|s| vec![s]),
+        }
+    }
+
+    /// The shapes that glow, each with what its surface looks like.
+    fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<Value<'t>> {
+        let mut out = Vec::new();
+        for shape in shapes.iter().flat_map(parts_of_union) {
+            if !shape.painted {
+                continue;
+            }
+            self.contexts.open(&Arc::from("glow"), None);
+            let point = self.contexts.entry_parameter("p", Type::Vec3);
+            let found = self.find_columns(&shape, &point, &point, Span::default());
+            self.contexts.discard();
+            found?;
+            if self.columns.contains(&Column::Glow) {
+                out.push(Value::record(vec![(Arc::from("shape"), Value::Shape(shape))]));
+            }
+        }
+        Ok(Value::list(out))
+    }
+
+    /// A ball round the bounded parts of the scene: centre and radius.
+    pub fn scene_ball(&mut self) -> ([f64; 3], f64) {
+        let parts: Vec<_> = self.scene_parts.iter().flat_map(parts_of_union).collect();
+        crate::framing::ball(self, &parts)
+    }
+
+    /// Every `--set` must name a param of the file.
+    fn check_overrides(&mut self, options: &Options) {
+        for (name, _) in &options.set {
+            let params: Vec<&str> = self
+                .names
+                .user
+                .order
+                .iter()
+                .filter(|(_, item)| matches!(item, crate::names::Item::Param { .. }))
+                .map(|(n, _)| &*n.text)
+                .collect();
+            if params.contains(&name.as_str()) {
+                continue;
+            }
+            let help = match sdf_syntax::did_you_mean(name, params.iter().copied()) {
+                Some(s) => format!("did you mean `{s}`?"),
+                None if params.is_empty() => "this file has no params".to_string(),
+                None => format!("its params are {}", params.join(", ")),
+            };
+            let message = format!("there is no param `{name}` to set");
+            self.diagnostics.push(errors::bad_override(Span::default(), message, help));
+        }
+    }
+
+    fn summary(&self, settings: &[(Arc<str>, Value<'t>)], glows: &Value<'t>, shapes: usize) -> Summary {
+        let field = |block: &str, name: &str| -> Option<Value<'t>> {
+            let (_, value) = settings.iter().find(|(n, _)| &**n == block)?;
+            match value {
+                Value::Record(r) => r.get(name).cloned(),
+                _ => None,
+            }
+        };
+        let known = |block, name| match field(block, name) {
+            Some(Value::Number(Number { repr: crate::value::Repr::Static(c), .. })) => Some(c),
+            _ => None,
+        };
+        let mut summary = Summary { shapes, ..Summary::default() };
+        for name in ["tolerance", "steps", "far"] {
+            if let Some(Constant::Float(x)) = known("render", name) {
+                summary.settings.push(format!("{name} {x}"));
+            }
+        }
+        if known("render", "relax") == Some(Constant::Bool(true)) {
+            summary.effects.push("relaxation");
+        }
+        let lights = settings.iter().find(|(n, _)| &**n == "lights").map(|(_, v)| v);
+        if let Some(Value::List(lights)) = lights {
+            let flag = |name: &str| {
+                lights.items.iter().any(|l| match l {
+                    Value::Record(r) => match (r.get("casts"), r.get(name)) {
+                        (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
+                            casts.known() == Some(Constant::Bool(true)) && soft.known() == Some(Constant::Bool(name == "soft"))
+                        }
+                        _ => false,
+                    },
+                    _ => false,
+                })
+            };
+            if flag("soft") {
+                summary.effects.push("soft shadow");
+            }
+            let hard = lights.items.iter().any(|l| match l {
+                Value::Record(r) => match (r.get("casts"), r.get("soft")) {
+                    (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
+                        casts.known() == Some(Constant::Bool(true)) && soft.known() == Some(Constant::Bool(false))
+                    }
+                    _ => false,
+                },
+                _ => false,
+            });
+            if hard {
+                summary.effects.push("hard shadow");
+            }
+        }
+        if known("ambient", "occluded") == Some(Constant::Bool(true)) {
+            summary.effects.push("occlusion");
+        }
+        if matches!(glows, Value::List(l) if !l.items.is_empty()) {
+            summary.effects.push("glow");
+        }
+        summary
+    }
+}
+
+/// The shapes that a union is made of, also where the union has a name; a shape that is none is its only part.
+pub(crate) fn parts_of_union<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
+    match &shape.kind {
+        ShapeKind::Union { shapes } => shapes.iter().flat_map(parts_of_union).collect(),
+        ShapeKind::Named { inner, .. } => match &parts_of_union(inner)[..] {
+            [_] => vec![shape.clone()],
+            parts => parts.to_vec(),
+        },
+        ShapeKind::Field { env, origin: Some(origin), .. }
+            if origin.module == Module::Library && &*origin.name == "union" =>
+        {
+            match env.get("shapes") {
+                Some(Value::List(list)) => list
+                    .items
+                    .iter()
+                    .filter_map(|v| match v {
+                        Value::Shape(s) => Some(s),
+                        _ => None,
+                    })
+                    .flat_map(parts_of_union)
+                    .collect(),
+                _ => vec![shape.clone()],
+            }
+        }
+        _ => vec![shape.clone()],
+    }
+}

@@ -1,0 +1,432 @@
+//! The blocks of settings: checked, completed with defaults, and handed to the renderer as records.
+
+use crate::errors;
+use crate::eval::{Elaborator, Eval, Reported};
+use crate::value::{Callable, Env, Module, Number, Value};
+use sdf_ir::{Binary, Constant, Type, Unary};
+use sdf_syntax::Span;
+use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The fields of each block, in the order of the language's page.
+const CAMERA: &[&str] = &["eye", "target", "up", "fov", "orbit", "projection"];
+const LIGHT: &[&str] = &["direction", "position", "color", "intensity", "shadow"];
+const AMBIENT: &[&str] = &["color", "occlusion", "radius"];
+const SKY: &[&str] = &["color", "horizon", "zenith"];
+const FOG: &[&str] = &["color", "density"];
+const RIM: &[&str] = &["color", "power"];
+const RENDER: &[&str] =
+    &["tolerance", "steps", "far", "normals", "relax", "bounces", "antialias", "tonemap", "quality"];
+
+/// The fields of one block that a file sets.
+struct Block<'t> {
+    fields: HashMap<&'static str, &'t Expr>,
+}
+
+/// How a light casts shadows.
+enum Shadow {
+    None,
+    Hard,
+    Soft(Number),
+}
+
+impl<'t> Elaborator<'t> {
+    fn settings_block(&mut self, kind: SettingsKind, name: &str, all: &'static [&'static str]) -> Block<'t> {
+        let blocks: Vec<_> =
+            self.names.user.settings.iter().filter(|(k, ..)| *k == kind).map(|(_, r, s)| (*r, *s)).collect();
+        for pair in blocks.windows(2) {
+            self.diagnostics.push(errors::block_twice(pair[1].1, name, blocks[0].1));
+        }
+        match blocks.first() {
+            Some((record, _)) => self.fields(record, name, all),
+            None => Block { fields: HashMap::new() },
+        }
+    }
+
+    fn fields(&mut self, record: &'t Record, name: &str, all: &'static [&'static str]) -> Block<'t> {
+        let mut fields: HashMap<&'static str, &'t Expr> = HashMap::new();
+        let mut first: HashMap<&'static str, &'t Name> = HashMap::new();
+        for field in &record.fields {
+            let Some(known) = all.iter().find(|a| **a == &*field.name.text) else {
+                let similar = sdf_syntax::did_you_mean(&field.name.text, all.iter().copied());
+                self.diagnostics.push(errors::unknown_setting(&field.name, name, similar, all));
+                continue;
+            };
+            if let Some(before) = first.insert(known, &field.name) {
+                self.diagnostics.push(errors::setting_twice(&field.name, before.span));
+                continue;
+            }
+            fields.insert(known, &field.value);
+        }
+        Block { fields }
+    }
+
+    /// The value of a field as a number, or its default.
+    fn number_setting(&mut self, block: &Block<'t>, name: &str, default: Constant) -> Eval<Number> {
+        let name_arc: Arc<str> = Arc::from(name);
+        match block.fields.get(name) {
+            None => Ok(Number::constant(default).named(&name_arc)),
+            Some(expr) => {
+                let value = self.eval(expr, &Env::new(Module::User))?;
+                Ok(self.as_typed(value, default.ty(), expr.span)?.named(&name_arc))
+            }
+        }
+    }
+
+    /// The value of a field as a float that is known now and lies in a range.
+    fn static_setting(&mut self, block: &Block<'t>, name: &str, default: f64, range: (f64, f64)) -> Eval<f64> {
+        let Some(expr) = block.fields.get(name) else { return Ok(default) };
+        let x = self.static_float(expr, &Env::new(Module::User), &format!("`{name}`"))?;
+        if x < range.0 || x > range.1 {
+            return self.report(errors::out_of_range(
+                expr.span,
+                &format!("`{name}`"),
+                &format!("{} to {}", range.0, range.1),
+            ));
+        }
+        Ok(x)
+    }
+
+    /// The word that a field is set to, one of `words`; the first is the default.
+    fn word_setting(&mut self, block: &Block<'t>, name: &str, words: &[&'static str]) -> Eval<&'static str> {
+        let Some(expr) = block.fields.get(name) else { return Ok(words[0]) };
+        if let ExprKind::Name(word) = &expr.kind
+            && let Some(known) = words.iter().find(|w| **w == &**word)
+        {
+            return Ok(known);
+        }
+        self.report(errors::wrong_setting(
+            expr.span,
+            format!("`{name}` does not take this value"),
+            format!("write one of {}", words.join(", ")),
+        ))
+    }
+
+    /// An effect that nothing draws yet must not be called for.
+    fn refuse(&mut self, block: &Block<'t>, name: &str, what: &str, instead: &str) -> Eval<()> {
+        match block.fields.get(name) {
+            None => Ok(()),
+            Some(expr) => self.report(errors::not_built_yet(expr.span, what, instead)),
+        }
+    }
+
+    /// All settings as the record that the renderer takes.
+    pub fn settings(&mut self) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
+        let camera = self.camera();
+        let lights = self.lights();
+        let ambient = self.ambient();
+        let sky = self.sky();
+        let fog = self.unbuilt_effects();
+        let render = self.render_settings();
+        fog?;
+        Ok(vec![
+            (Arc::from("camera"), camera?),
+            (Arc::from("lights"), lights?),
+            (Arc::from("ambient"), ambient?),
+            (Arc::from("sky"), sky?),
+            (Arc::from("render"), render?),
+        ])
+    }
+
+    fn camera(&mut self) -> Eval<Value<'t>> {
+        let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
+        let projection = self.word_setting(&block, "projection", &["perspective", "orthographic"])?;
+        if projection == "orthographic" {
+            self.refuse(&block, "projection", "the orthographic projection", "use `perspective` for now")?;
+        }
+        if let Some(expr) = block.fields.get("orbit") {
+            let value = self.eval(expr, &Env::new(Module::User))?;
+            let orbit = self.as_typed(value, Type::Bool, expr.span)?;
+            if orbit.known() != Some(Constant::Bool(false)) {
+                self.refuse(&block, "orbit", "the orbiting camera", "move `eye` by `mouse` or `time` for now")?;
+            }
+        }
+        let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
+        let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
+        let fov = self.number_setting(&block, "fov", Constant::Float(std::f64::consts::FRAC_PI_4));
+        let (mut target, up, fov) = (target?, up?, fov?);
+        if let Some(Constant::Float(x)) = fov.known()
+            && !(x > 0.0 && x < std::f64::consts::PI)
+        {
+            let span = block.fields.get("fov").map_or(Span::default(), |e| e.span);
+            return self.report(errors::out_of_range(span, "`fov`", "more than 0 and less than 180deg"));
+        }
+        let eye = match block.fields.get("eye") {
+            Some(_) => self.number_setting(&block, "eye", Constant::Vec3([0.0; 3]))?,
+            None => {
+                let (eye, center) = self.frame_scene(block.fields.contains_key("target"), &target, &fov)?;
+                target = center;
+                eye
+            }
+        };
+        if let (Some(a), Some(b)) = (eye.known(), target.known())
+            && a == b
+        {
+            let span = block.fields.get("eye").map_or(Span::default(), |e| e.span);
+            return self.report(errors::wrong_setting(
+                span,
+                "the camera stands where it looks",
+                "move `eye` away from `target`",
+            ));
+        }
+        Ok(fields([("eye", eye), ("target", target), ("up", up), ("fov", fov)]))
+    }
+
+    /// The camera that frames the bounded parts of the scene from direction (1, 0.7, 1.5).
+    fn frame_scene(&mut self, has_target: bool, target: &Number, fov: &Number) -> Eval<(Number, Number)> {
+        let (center, radius) = self.scene_ball();
+        let target = if has_target {
+            target.clone()
+        } else {
+            Number::constant(Constant::Vec3(center)).named(&Arc::from("target"))
+        };
+        let direction = [1.0, 0.7, 1.5];
+        let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let half = self.binary(Binary::Multiply, fov, &Number::float(0.5), Span::default())?;
+        let sine = self.unary(Unary::Sin, &half, Span::default())?;
+        let distance = self.binary(Binary::Divide, &Number::float(radius * 1.15), &sine, Span::default())?;
+        let unit = Number::constant(Constant::Vec3(direction.map(|x| x / size)));
+        let offset = self.binary(Binary::Multiply, &unit, &distance, Span::default())?;
+        let eye = self.binary(Binary::Add, &target, &offset, Span::default())?;
+        Ok((eye.named(&Arc::from("eye")), target))
+    }
+
+    fn lights(&mut self) -> Eval<Value<'t>> {
+        if self.names.user.lights.is_empty() {
+            let direction = Number::constant(Constant::Vec3([0.5, 0.7, 0.4]));
+            let direction = self.unary(Unary::Normalize, &direction, Span::default())?;
+            let one = Number::constant(Constant::Vec3([1.0; 3]));
+            return Ok(Value::list(vec![light_record(true, direction, one, Shadow::Soft(Number::float(8.0)))]));
+        }
+        let mut out = Vec::new();
+        let mut failed = false;
+        for (name, record) in &self.names.user.lights {
+            match self.light(name, record) {
+                Ok(Some(light)) => out.push(light),
+                Ok(None) => {}
+                Err(Reported) => failed = true,
+            }
+        }
+        if failed { Err(Reported) } else { Ok(Value::list(out)) }
+    }
+
+    /// A light, or nothing where it can never give any.
+    fn light(&mut self, name: &'t Name, record: &'t Record) -> Eval<Option<Value<'t>>> {
+        let block = self.fields(record, "light", LIGHT);
+        let directional = match (block.fields.get("direction"), block.fields.get("position")) {
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            (Some(_), Some(position)) => {
+                return self.report(errors::wrong_setting(
+                    position.span,
+                    format!("the light `{}` has a direction and a position", name.text),
+                    "keep `direction` for a sun, `position` for a lamp",
+                ));
+            }
+            (None, None) => {
+                return self.report(errors::wrong_setting(
+                    name.span,
+                    format!("the light `{}` is nowhere", name.text),
+                    "give it a `direction` (towards the light) or a `position`",
+                ));
+            }
+        };
+        let place = if directional { "direction" } else { "position" };
+        let at = self.number_setting(&block, place, Constant::Vec3([0.0; 3]));
+        let color = self.number_setting(&block, "color", Constant::Vec3([1.0; 3]));
+        let intensity = self.number_setting(&block, "intensity", Constant::Float(1.0));
+        let shadow = self.shadow(&block);
+        let (mut at, color, intensity, shadow) = (at?, color?, intensity?, shadow?);
+        if directional {
+            if at.known() == Some(Constant::Vec3([0.0; 3])) {
+                let span = block.fields["direction"].span;
+                return self.report(errors::wrong_setting(
+                    span,
+                    "this direction has no length",
+                    "point it towards the light",
+                ));
+            }
+            at = self.unary(Unary::Normalize, &at, name.span)?.named(&Arc::from("direction"));
+        }
+        let power = self.binary(Binary::Multiply, &color, &intensity, name.span)?;
+        if power.known() == Some(Constant::Vec3([0.0; 3])) {
+            return Ok(None);
+        }
+        let light_name = Arc::from(format!("{}_color", name.text));
+        Ok(Some(light_record(directional, at, Number { name: Some(light_name), ..power }, shadow)))
+    }
+
+    /// `none`, `hard` or `soft(k)`.
+    fn shadow(&mut self, block: &Block<'t>) -> Eval<Shadow> {
+        let Some(expr) = block.fields.get("shadow") else { return Ok(Shadow::None) };
+        let expr: &'t Expr = expr;
+        match &expr.kind {
+            ExprKind::Name(word) if &**word == "none" => return Ok(Shadow::None),
+            ExprKind::Name(word) if &**word == "hard" => return Ok(Shadow::Hard),
+            ExprKind::Postfix { base, operations } => {
+                if let (ExprKind::Name(word), [only]) = (&base.kind, &operations[..])
+                    && &**word == "soft"
+                    && let PostfixKind::Call(arguments) = &only.kind
+                    && let [argument] = &arguments[..]
+                {
+                    let value = self.eval(&argument.value, &Env::new(Module::User))?;
+                    let k = self.as_typed(value, Type::Float, argument.value.span)?;
+                    if matches!(k.known(), Some(Constant::Float(k)) if k <= 0.0) {
+                        return self.report(errors::out_of_range(
+                            argument.value.span,
+                            "the softness of a shadow",
+                            "more than 0; 2 is very soft, 32 nearly hard",
+                        ));
+                    }
+                    return Ok(Shadow::Soft(k));
+                }
+            }
+            _ => {}
+        }
+        self.report(errors::wrong_setting(
+            expr.span,
+            "`shadow` does not take this value",
+            "write `none`, `hard` or `soft(k)`, for example `soft(8)`",
+        ))
+    }
+
+    fn ambient(&mut self) -> Eval<Value<'t>> {
+        let block = self.settings_block(SettingsKind::Ambient, "ambient", AMBIENT);
+        let color = self.number_setting(&block, "color", Constant::Vec3([0.1; 3]));
+        let occlusion = self.number_setting(&block, "occlusion", Constant::Float(0.0));
+        let radius = self.number_setting(&block, "radius", Constant::Float(0.5));
+        let (color, occlusion, radius) = (color?, occlusion?, radius?);
+        if matches!(radius.known(), Some(Constant::Float(r)) if r <= 0.0) {
+            let span = block.fields.get("radius").map_or(Span::default(), |e| e.span);
+            return self.report(errors::out_of_range(span, "`radius`", "more than 0"));
+        }
+        let called = occlusion.known() != Some(Constant::Float(0.0))
+            && color.known() != Some(Constant::Vec3([0.0; 3]));
+        let color = Number { name: Some(Arc::from("ambient_color")), ..color };
+        Ok(Value::record(vec![
+            (Arc::from("color"), Value::Number(color)),
+            (Arc::from("occluded"), Value::bool(called)),
+            (Arc::from("occlusion"), Value::Number(occlusion)),
+            (Arc::from("radius"), Value::Number(radius)),
+        ]))
+    }
+
+    /// The sky as a function of the ray's direction.
+    fn sky(&mut self) -> Eval<Value<'t>> {
+        let block = self.settings_block(SettingsKind::Sky, "sky", SKY);
+        let get = |name: &str| block.fields.get(name).copied();
+        match (get("color"), get("horizon"), get("zenith")) {
+            (Some(color), None, None) => Ok(sky_function(color, None)),
+            (None, Some(horizon), Some(zenith)) => Ok(sky_function(horizon, Some(zenith))),
+            (None, None, None) => {
+                let default = Constant::Vec3(crate::parse_color("#a8c4e0").expect("a colour"));
+                Ok(Value::Function(Rc::new(Callable::Native(Rc::new(move |_, _, _| {
+                    Ok(Value::Number(Number::constant(default)))
+                })))))
+            }
+            (Some(_), Some(extra), _) | (Some(_), _, Some(extra)) => self.report(errors::wrong_setting(
+                extra.span,
+                "the sky has a color and a gradient",
+                "give it `color`, or `horizon` and `zenith`",
+            )),
+            (None, Some(one), None) | (None, None, Some(one)) => self.report(errors::wrong_setting(
+                one.span,
+                "a gradient of the sky needs two colours",
+                "give it both `horizon` and `zenith`",
+            )),
+        }
+    }
+
+    /// Blocks that are part of the language and that nothing draws yet.
+    fn unbuilt_effects(&mut self) -> Eval<()> {
+        let fog = self.settings_block(SettingsKind::Fog, "fog", FOG);
+        if fog.fields.contains_key("density") {
+            let density = self.number_setting(&fog, "density", Constant::Float(0.0))?;
+            if density.known() != Some(Constant::Float(0.0)) {
+                self.refuse(&fog, "density", "fog", "leave the block out for now")?;
+            }
+        }
+        let rim = self.settings_block(SettingsKind::Rim, "rim", RIM);
+        if rim.fields.contains_key("color") {
+            let color = self.number_setting(&rim, "color", Constant::Vec3([0.0; 3]))?;
+            if color.known() != Some(Constant::Vec3([0.0; 3])) {
+                self.refuse(&rim, "color", "rim light", "leave the block out for now")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn render_settings(&mut self) -> Eval<Value<'t>> {
+        let block = self.settings_block(SettingsKind::Render, "render", RENDER);
+        let tolerance = self.static_setting(&block, "tolerance", 0.1, (1e-4, 100.0))?;
+        let steps = self.static_setting(&block, "steps", 256.0, (1.0, 4096.0))?;
+        let far = self.static_setting(&block, "far", 100.0, (1e-6, 1e18))?;
+        let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"])?;
+        let relax = self.word_setting(&block, "relax", &["auto", "none"])?;
+        let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"])?;
+        let antialias = self.static_setting(&block, "antialias", 1.0, (1.0, 8.0))?;
+        self.static_setting(&block, "bounces", 2.0, (0.0, 16.0))?;
+        if normals != "exact" {
+            self.refuse(&block, "normals", "this kind of normals", "use `exact`, which costs least")?;
+        }
+        if tonemap != "none" {
+            self.refuse(&block, "tonemap", "tone mapping", "use `none` for now")?;
+        }
+        if antialias > 1.0 {
+            self.refuse(&block, "antialias", "antialiasing", "render at twice the size and scale down for now")?;
+        }
+        self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
+        let steps = steps.round();
+        Ok(Value::record(vec![
+            (Arc::from("tolerance"), Value::float(tolerance)),
+            (Arc::from("steps"), Value::float(steps)),
+            (Arc::from("far"), Value::float(far)),
+            (Arc::from("relax"), Value::bool(relax == "auto")),
+        ]))
+    }
+}
+
+fn fields<'t, const N: usize>(numbers: [(&str, Number); N]) -> Value<'t> {
+    Value::record(numbers.into_iter().map(|(n, v)| (Arc::from(n), Value::Number(v))).collect())
+}
+
+fn light_record<'t>(directional: bool, at: Number, color: Number, shadow: Shadow) -> Value<'t> {
+    let (casts, soft, softness) = match shadow {
+        Shadow::None => (false, false, Number::float(1.0)),
+        Shadow::Hard => (true, false, Number::float(1.0)),
+        Shadow::Soft(k) => (true, true, k),
+    };
+    Value::record(vec![
+        (Arc::from("directional"), Value::bool(directional)),
+        (Arc::from("at"), Value::Number(at)),
+        (Arc::from("color"), Value::Number(color)),
+        (Arc::from("casts"), Value::bool(casts)),
+        (Arc::from("soft"), Value::bool(soft)),
+        (Arc::from("softness"), Value::Number(softness.named(&Arc::from("softness")))),
+    ])
+}
+
+/// `mix(horizon, zenith, max(p.y, 0))`, or one colour; `p` is the direction.
+fn sky_function<'t>(low: &'t Expr, high: Option<&'t Expr>) -> Value<'t> {
+    Value::Function(Rc::new(Callable::Native(Rc::new(move |e: &mut Elaborator<'t>, given, span| {
+        let direction = match given.positional.into_iter().next() {
+            Some(Value::Number(n)) => n,
+            _ => unreachable!("the renderer asks with a direction"),
+        };
+        let env = Env::new(Module::User).bind(Arc::from("p"), Value::Number(direction.clone()));
+        let low_value = e.eval(low, &env)?;
+        let low_color = e.as_typed(low_value, Type::Vec3, low.span)?;
+        let Some(high) = high else { return Ok(Value::Number(low_color)) };
+        let high_value = e.eval(high, &env)?;
+        let high_color = e.as_typed(high_value, Type::Vec3, high.span)?;
+        let up = e.component(&direction, 1);
+        let up = e.binary(Binary::Max, &up, &Number::float(0.0), span)?;
+        let mixed = e.contexts.apply(
+            crate::context::Op::Ternary(sdf_ir::Ternary::Mix),
+            &[low_color, high_color, up],
+        );
+        e.finite(mixed, span).map(Value::Number)
+    }))))
+}

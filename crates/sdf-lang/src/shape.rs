@@ -1,0 +1,216 @@
+//! Shapes at points: which of them are functions of the program, and their gradients.
+
+use crate::errors;
+use crate::eval::{Elaborator, Eval, Reported};
+use crate::value::{Env, Module, Number, Origin, Repr, Shape, ShapeKind, Thunk, Value};
+use sdf_ir::Type;
+use sdf_syntax::Span;
+use sdf_syntax::tree::{Block, Dimension};
+use std::rc::Rc;
+use std::sync::Arc;
+
+impl<'t> Elaborator<'t> {
+    /// The distance from a point to a shape. While the materials of the field round it are looked up, the
+    /// sample is noted down.
+    pub fn sample(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
+        let Some(mut samples) = self.samples.take() else {
+            return self.distance(shape, point, span);
+        };
+        let distance = self.outside_formula(point, |this| this.distance(shape, point, span));
+        let result = distance.map(|d| self.note_sample(&mut samples, shape, point, d));
+        self.samples = Some(samples);
+        result
+    }
+
+    /// Runs `f` in the function round the formula whose shares are being found, where the point allows it.
+    fn outside_formula<T>(&mut self, point: &Number, f: impl FnOnce(&mut Self) -> T) -> T {
+        if self.contexts.is_innermost(point) {
+            return f(self);
+        }
+        let formula = self.contexts.set_aside();
+        let result = f(self);
+        self.contexts.take_up(formula);
+        result
+    }
+
+    /// The distance from a point to a shape.
+    fn distance(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
+        match &shape.kind {
+            ShapeKind::Painted { shape, .. } => self.distance(shape, point, span),
+            ShapeKind::Union { shapes } => self.union_distance(shapes, point, span),
+            ShapeKind::Named { inner, .. } if !point.is_local() => self.distance(inner, point, span),
+            ShapeKind::Named { name, span: place, thunk, inner } => {
+                self.named_distance(name, *place, thunk, inner, point, span)
+            }
+            ShapeKind::Field { block, env, origin } => match origin {
+                Some(origin) if point.is_local() && !env.traits().shapes => {
+                    self.primitive_distance(block, env, origin, point)
+                }
+                _ => self.field_value(block, env, point),
+            },
+        }
+    }
+
+    pub fn union_distance(&mut self, shapes: &[Rc<Shape<'t>>], point: &Number, span: Span) -> Eval<Number> {
+        let mut nearest: Option<Number> = None;
+        for shape in shapes {
+            let d = self.sample(shape, point, span)?;
+            nearest = Some(match nearest {
+                None => d,
+                Some(before) => self.binary(sdf_ir::Binary::Min, &before, &d, span)?,
+            });
+        }
+        Ok(nearest.unwrap_or(Number::float(crate::NOTHING)))
+    }
+
+    /// The value of a field's block, written into the caller.
+    pub fn field_value(&mut self, block: &'t Block, env: &Env<'t>, point: &Number) -> Eval<Number> {
+        let env = env.bind(Arc::from("p"), Value::Number(point.clone()));
+        match self.block(block, &env)? {
+            Value::Number(n) if n.ty == Type::Float => Ok(n),
+            other => {
+                let found = other.describe();
+                self.report(errors::not_a_distance(block.result.span, &found))
+            }
+        }
+    }
+
+    /// A field that samples no other shape is a function of its point and of the numbers that it captures.
+    fn primitive_distance(
+        &mut self,
+        block: &'t Block,
+        env: &Env<'t>,
+        origin: &Origin,
+        point: &Number,
+    ) -> Eval<Number> {
+        let name = function_name(origin);
+        let line = self.line(origin.span);
+        self.contexts.open(&name, line);
+        let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
+        let mut inside = Env::new(env.module);
+        for (name, value) in env.variables() {
+            let value = self.seen_from_inside(&name, &value);
+            inside = inside.bind(name, value);
+        }
+        let result = self.field_value(block, &inside, &inner_point);
+        self.close_distance(result)
+    }
+
+    /// A shape that the user named is a function of that name.
+    fn named_distance(
+        &mut self,
+        name: &Arc<str>,
+        place: Span,
+        thunk: &Thunk<'t>,
+        inner: &Rc<Shape<'t>>,
+        point: &Number,
+        span: Span,
+    ) -> Eval<Number> {
+        let key = match thunk {
+            Thunk::Let(binding) => Some(std::ptr::from_ref(*binding).cast::<()>()),
+            Thunk::Fixed => Some(Rc::as_ptr(inner).cast::<()>()),
+            Thunk::Call { .. } => None,
+        };
+        if let Some(id) = key.and_then(|k| self.shape_functions.get(&k)) {
+            let id = *id;
+            let point = self.contexts.value(point);
+            return Ok(self.contexts.call(id, &[Type::Float], &[point]).remove(0));
+        }
+        let line = self.line(place);
+        self.contexts.open(name, line);
+        let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
+        let result = self.shape_from_inside(thunk, inner).and_then(|s| self.body_of_named(&s, &inner_point, span));
+        let distance = self.close_distance(result)?;
+        if let (Some(key), Some(id)) = (key, self.contexts.is_call_at(&distance, point)) {
+            self.shape_functions.insert(key, id);
+        }
+        Ok(distance)
+    }
+
+    /// The shape once more, with the numbers of its call as its function sees them.
+    fn shape_from_inside(&mut self, thunk: &Thunk<'t>, inner: &Rc<Shape<'t>>) -> Eval<Rc<Shape<'t>>> {
+        let Thunk::Call { function, module, arguments } = thunk else { return Ok(inner.clone()) };
+        let inside: Vec<_> =
+            arguments.iter().map(|(name, v)| (name.clone(), self.seen_from_inside(name, v))).collect();
+        let value = self.evaluate_body(function, *module, &inside)?;
+        self.as_shape(value, function.name.span)
+    }
+
+    /// What stands in the function of a named shape: its field, without a second function for a primitive.
+    fn body_of_named(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
+        match &shape.kind {
+            ShapeKind::Field { block, env, origin: Some(origin) } if origin.module == Module::User => {
+                self.field_value(block, env, point)
+            }
+            ShapeKind::Painted { shape, .. } => self.body_of_named(shape, point, span),
+            _ => self.distance(shape, point, span),
+        }
+    }
+
+    /// Closes the innermost function with a distance as its result. One that does not depend on the function's
+    /// arguments needs no function.
+    fn close_distance(&mut self, result: Eval<Number>) -> Eval<Number> {
+        match result {
+            Ok(n) => {
+                let template = Value::Number(n.clone());
+                match self.close_with(&Arc::from("distance"), &template, vec![n]) {
+                    Value::Number(n) => Ok(Number { name: None, ..n }),
+                    _ => unreachable!("a number comes back as one"),
+                }
+            }
+            Err(Reported) => {
+                self.contexts.discard();
+                Err(Reported)
+            }
+        }
+    }
+
+    /// `gradient(s, p)`: a record of the distance and its gradient.
+    pub fn gradient(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
+        if shape.dimension == Dimension::Two {
+            return self.report(errors::wrong_type(span, "a shape", "a 2D shape"));
+        }
+        let point = self.as_local(point);
+        let distance = self.distance(shape, &point, span)?;
+        let (id, arguments) = match self.contexts.call_of(&distance, &point) {
+            Some(call) => call,
+            None => {
+                self.contexts.open(&Arc::from("field_value"), None);
+                let inside = self.contexts.parameter(&Arc::from("p"), &point, true);
+                match self.distance(shape, &inside, span) {
+                    Ok(d) => {
+                        let d = self.contexts.value(&d);
+                        self.contexts.finish(vec![(d, Arc::from("distance"))])
+                    }
+                    Err(Reported) => {
+                        self.contexts.discard();
+                        return Err(Reported);
+                    }
+                }
+            }
+        };
+        let gradient = self.gradients.of(&mut self.contexts.program, id);
+        let results = self.contexts.call(gradient, &[Type::Float, Type::Vec3], &arguments);
+        let names = ["distance", "gradient"];
+        Ok(Value::record(
+            names.into_iter().zip(results).map(|(n, v)| (Arc::from(n), Value::Number(v))).collect(),
+        ))
+    }
+
+    /// A point as a node of the innermost function.
+    fn as_local(&mut self, point: &Number) -> Number {
+        if point.is_local() || self.contexts.depth() == 0 {
+            return point.clone();
+        }
+        let value = self.contexts.value(point);
+        Number { repr: Repr::Local(self.contexts.depth(), value), ..point.clone() }
+    }
+}
+
+/// A primitive of the library is `sd_name`; one of the user keeps its name.
+fn function_name(origin: &Origin) -> Arc<str> {
+    match origin.module {
+        Module::User => origin.name.clone(),
+        Module::Library | Module::Runtime => Arc::from(format!("sd_{}", origin.name)),
+    }
+}

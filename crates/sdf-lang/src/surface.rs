@@ -1,0 +1,493 @@
+//! What a surface looks like: materials, and how a field mixes those of the shapes that it samples.
+//!
+//! At a point of a surface a field mixes the materials of its samples by share, |∂field/∂distance| of each. The
+//! shares come from the field's own formula, differentiated: `min` and `max` pick one, blends mix with their own
+//! weights. An unpainted tool, whose share is negative, is left out, so that a carved face shows the carved body.
+
+use crate::context::Op;
+use crate::errors;
+use crate::eval::{Elaborator, Eval};
+use crate::value::{Env, Material, Number, Repr, Shape, ShapeKind, Value};
+use sdf_ir::{Binary, Builder, Constant, Node, Ternary, Type, Unary};
+use sdf_syntax::Span;
+use sdf_syntax::tree::{Block, Record};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A property of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Column {
+    Color,
+    Specular,
+    Shininess,
+    Emission,
+    Glow,
+    GlowRadius,
+    Reflect,
+    Transmit,
+    Ior,
+}
+
+impl Column {
+    pub const ALL: [Column; 9] = [
+        Column::Color,
+        Column::Specular,
+        Column::Shininess,
+        Column::Emission,
+        Column::Glow,
+        Column::GlowRadius,
+        Column::Reflect,
+        Column::Transmit,
+        Column::Ior,
+    ];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Column::Color => "color",
+            Column::Specular => "specular",
+            Column::Shininess => "shininess",
+            Column::Emission => "emission",
+            Column::Glow => "glow",
+            Column::GlowRadius => "glow_radius",
+            Column::Reflect => "reflect",
+            Column::Transmit => "transmit",
+            Column::Ior => "ior",
+        }
+    }
+
+    /// The value where a material does not say.
+    pub fn default(self) -> Constant {
+        match self {
+            Column::Color => Constant::Vec3([0.8; 3]),
+            Column::Specular => Constant::Float(0.2),
+            Column::Shininess => Constant::Float(32.0),
+            Column::Emission | Column::Glow => Constant::Vec3([0.0; 3]),
+            Column::GlowRadius => Constant::Float(0.25),
+            Column::Reflect | Column::Transmit => Constant::Float(0.0),
+            Column::Ior => Constant::Float(1.5),
+        }
+    }
+
+    fn is_built(self) -> bool {
+        !matches!(self, Column::Reflect | Column::Transmit)
+    }
+}
+
+/// A distance that a field took while its materials are looked up.
+#[derive(Debug)]
+pub(crate) struct Sample<'t> {
+    shape: Rc<Shape<'t>>,
+    point: Number,
+    /// The distance, outside the field's own formula.
+    outside: sdf_ir::Value,
+    distance: Number,
+    /// What stands for it in the formula.
+    stand_in: sdf_ir::Value,
+}
+
+/// The materials at a point, mixed.
+enum Mix {
+    /// Nothing there is painted.
+    Bare,
+    /// The sum of the painted parts' properties, each times its weight, and the weight of the bare part. All
+    /// weights together are 1.
+    Painted { columns: Vec<Number>, bare: Number },
+}
+
+/// A sample with its material and its share of the field.
+struct Part {
+    mix: Mix,
+    share: Number,
+    distance: Number,
+}
+
+impl<'t> Elaborator<'t> {
+    /// `surface(s, p, n)`: a record of the properties of the material at a point of the surface.
+    pub fn surface(&mut self, shape: &Rc<Shape<'t>>, point: &Number, normal: &Number, span: Span) -> Eval<Value<'t>> {
+        if self.contexts.depth() == 0 {
+            return self.report(errors::not_static(span, "whether there is a surface here"));
+        }
+        self.find_columns(shape, point, normal, span)?;
+        let mix = self.mix(shape, point, normal, span)?;
+        let bare_weight = match &mix {
+            Mix::Bare => Number::float(1.0),
+            Mix::Painted { bare, .. } => bare.clone(),
+        };
+        let columns: Vec<Column> = self.columns.iter().copied().collect();
+        let mut fields = Vec::new();
+        for column in Column::ALL {
+            let default = Number::constant(column.default());
+            let value = match (&mix, columns.iter().position(|c| *c == column)) {
+                (Mix::Painted { columns, .. }, Some(i)) => {
+                    let bare = self.times(&default, &bare_weight);
+                    self.contexts.apply(Op::Binary(Binary::Add), &[columns[i].clone(), bare])
+                }
+                _ => default,
+            };
+            let name: Arc<str> = Arc::from(column.name());
+            fields.push((name.clone(), Value::Number(value.named(&name))));
+        }
+        Ok(Value::record(fields))
+    }
+
+    /// Notes which properties of the shape's materials differ from their defaults; the others cost nothing.
+    pub fn find_columns(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<()> {
+        self.columns.clear();
+        self.contexts.open(&Arc::from("columns"), None);
+        let p = self.contexts.parameter(&Arc::from("p"), point, true);
+        let n = self.contexts.parameter(&Arc::from("n"), normal, false);
+        let found = self.mix(shape, &p, &n, span);
+        self.contexts.discard();
+        found.map(|_| ())
+    }
+
+    fn mix(&mut self, shape: &Rc<Shape<'t>>, point: &Number, normal: &Number, span: Span) -> Eval<Mix> {
+        if !shape.painted {
+            return Ok(Mix::Bare);
+        }
+        match &shape.kind {
+            ShapeKind::Named { inner, .. } => self.mix(inner, point, normal, span),
+            ShapeKind::Painted { shape: inner, material } => {
+                let columns = self.properties(material, inner, point, normal, span)?;
+                match self.mix(inner, point, normal, span)? {
+                    Mix::Bare => Ok(Mix::Painted { columns, bare: Number::float(0.0) }),
+                    Mix::Painted { columns: under, bare } => {
+                        let columns = self.add_weighted(&under, &columns, &bare);
+                        Ok(Mix::Painted { columns, bare: Number::float(0.0) })
+                    }
+                }
+            }
+            ShapeKind::Union { shapes } => {
+                let parts = shapes.clone();
+                self.mix_samples(point, normal, span, move |this, p| {
+                    let union = Rc::new(Shape {
+                        dimension: sdf_syntax::tree::Dimension::Three,
+                        kind: ShapeKind::Union { shapes: parts },
+                        painted: false,
+                    });
+                    let ShapeKind::Union { shapes } = &union.kind else { unreachable!("just made") };
+                    this.union_distance(shapes, p, span)
+                })
+            }
+            ShapeKind::Field { block, env, .. } => {
+                let (block, env): (&'t Block, Env<'t>) = (block, env.clone());
+                self.mix_samples(point, normal, span, move |this, p| this.field_value(block, &env, p))
+            }
+        }
+    }
+
+    /// The mix of the materials of what a formula samples.
+    fn mix_samples(
+        &mut self,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+        formula: impl FnOnce(&mut Self, &Number) -> Eval<Number>,
+    ) -> Eval<Mix> {
+        self.contexts.open(&Arc::from("shares"), None);
+        let saved = self.samples.replace(Vec::new());
+        let result = formula(self, point);
+        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
+        let result = match result {
+            Ok(n) => self.contexts.value(&n),
+            Err(reported) => {
+                self.contexts.discard();
+                return Err(reported);
+            }
+        };
+        if let [only] = &samples[..] {
+            self.contexts.discard();
+            return self.mix(&only.shape, &only.point, normal, span);
+        }
+        let stand_ins: Vec<_> = samples.iter().map(|s| s.stand_in).collect();
+        let builder = self.contexts.builder();
+        let adjoints = sdf_ir::adjoint::adjoints(builder, result, &stand_ins);
+        let zero = builder.float(0.0);
+        let shares: Vec<_> = adjoints.into_iter().map(|a| a.unwrap_or(zero)).collect();
+        // The unpainted tools are left out before anything is computed for them.
+        let kept: Vec<bool> = samples
+            .iter()
+            .zip(&shares)
+            .map(|(s, share)| s.shape.painted || !never_positive(builder, *share) || is_zero(builder, *share))
+            .collect();
+        let (function, arguments) = self.contexts.finish_apart(shares);
+        let depth = self.contexts.depth();
+        let shares = self.contexts.builder().inline(&function, &arguments);
+        let mut parts = Vec::new();
+        for ((sample, share), _) in samples.iter().zip(shares).zip(kept).filter(|(_, kept)| *kept) {
+            let share = self.contexts.local(depth, share, Type::Float);
+            let mix = self.mix(&sample.shape, &sample.point, normal, span)?;
+            parts.push(Part { mix, share, distance: sample.distance.clone() });
+        }
+        Ok(self.blend(parts))
+    }
+
+    /// The parts together, by share.
+    fn blend(&mut self, mut parts: Vec<Part>) -> Mix {
+        if parts.iter().all(|p| matches!(p.mix, Mix::Bare)) {
+            return Mix::Bare;
+        }
+        if parts.len() == 1 {
+            return parts.remove(0).mix;
+        }
+        let count = self.columns.len();
+        let mut total = Number::float(0.0);
+        let mut bare_sum = Number::float(0.0);
+        let mut sums: Vec<Number> =
+            self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect();
+        for part in &parts {
+            let positive = self.contexts.apply(Op::Binary(Binary::Max), &[part.share.clone(), Number::float(0.0)]);
+            match &part.mix {
+                Mix::Bare => {
+                    total = self.plus(&total, &positive);
+                    bare_sum = self.plus(&bare_sum, &positive);
+                }
+                Mix::Painted { columns, bare } => {
+                    let weight = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.share));
+                    for (sum, column) in sums.iter_mut().zip(columns).take(count) {
+                        let weighted = self.times(column, &weight);
+                        *sum = self.plus(sum, &weighted);
+                    }
+                    let painted = self.minus(&Number::float(1.0), bare);
+                    let painted = self.times(&weight, &painted);
+                    let bare_part = self.times(&positive, bare);
+                    let both = self.plus(&painted, &bare_part);
+                    total = self.plus(&total, &both);
+                    bare_sum = self.plus(&bare_sum, &bare_part);
+                }
+            }
+        }
+        if total.known() == Some(Constant::Float(1.0)) {
+            return Mix::Painted { columns: sums, bare: bare_sum };
+        }
+        let nearest = self.nearest(&parts);
+        let none = self.contexts.apply(Op::Binary(Binary::LessEqual), &[total.clone(), Number::float(0.0)]);
+        let (near_columns, near_bare) = match nearest {
+            Mix::Bare => (self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect(), Number::float(1.0)),
+            Mix::Painted { columns, bare } => (columns, bare),
+        };
+        let columns = sums
+            .into_iter()
+            .zip::<Vec<Number>>(near_columns)
+            .map(|(sum, near)| {
+                let mean = self.contexts.apply(Op::Binary(Binary::Divide), &[sum, total.clone()]);
+                self.contexts.apply(Op::Ternary(Ternary::Select), &[none.clone(), near, mean])
+            })
+            .collect();
+        let bare = self.contexts.apply(Op::Binary(Binary::Divide), &[bare_sum, total]);
+        let bare = self.contexts.apply(Op::Ternary(Ternary::Select), &[none, near_bare, bare]);
+        Mix::Painted { columns, bare }
+    }
+
+    /// The part whose distance is nearest to zero.
+    fn nearest(&mut self, parts: &[Part]) -> Mix {
+        let mut best: Option<(Number, Vec<Number>, Number)> = None;
+        for part in parts {
+            let size = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.distance));
+            let (columns, bare) = match &part.mix {
+                Mix::Bare => (
+                    self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect::<Vec<_>>(),
+                    Number::float(1.0),
+                ),
+                Mix::Painted { columns, bare } => (columns.clone(), bare.clone()),
+            };
+            best = Some(match best {
+                None => (size, columns, bare),
+                Some((best_size, best_columns, best_bare)) => {
+                    let keep =
+                        self.contexts.apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
+                    let mut choose = |a: Number, b: Number| {
+                        self.contexts.apply(Op::Ternary(Ternary::Select), &[keep.clone(), a, b])
+                    };
+                    let columns = best_columns.into_iter().zip(columns).map(|(a, b)| choose(a, b)).collect();
+                    let bare = choose(best_bare, bare);
+                    (choose(best_size, size), columns, bare)
+                }
+            });
+        }
+        match best {
+            None => Mix::Bare,
+            Some((_, columns, bare)) => Mix::Painted { columns, bare },
+        }
+    }
+
+    /// The properties of a material at a point of a painted shape, one for each column in use.
+    fn properties(
+        &mut self,
+        material: &Rc<Material<'t>>,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Vec<Number>> {
+        let mut values: Vec<(Column, Number)> = Vec::new();
+        match &**material {
+            Material::Color(color) => values.push((Column::Color, color.clone())),
+            Material::Record { record, env } => {
+                let env = self.material_env(record, env, shape, point, normal, span)?;
+                let mut failed = None;
+                for field in &record.fields {
+                    match self.property(field, &env) {
+                        Ok(value) => values.push(value),
+                        Err(reported) => failed = Some(reported),
+                    }
+                }
+                if let Some(reported) = failed {
+                    return Err(reported);
+                }
+            }
+        }
+        for (column, value) in &values {
+            if value.known() != Some(column.default()) {
+                self.columns.insert(*column);
+            }
+        }
+        let columns: Vec<Column> = self.columns.iter().copied().collect();
+        Ok(columns
+            .into_iter()
+            .map(|c| {
+                let own = values.iter().find(|(v, _)| *v == c).map(|(_, n)| n.clone());
+                own.unwrap_or(Number::constant(c.default()))
+            })
+            .collect())
+    }
+
+    fn property(&mut self, field: &'t sdf_syntax::tree::Field, env: &Env<'t>) -> Eval<(Column, Number)> {
+        let all: Vec<&str> = Column::ALL.iter().map(|c| c.name()).collect();
+        let Some(column) = Column::ALL.into_iter().find(|c| c.name() == &*field.name.text) else {
+            let similar = sdf_syntax::did_you_mean(&field.name.text, all.iter().copied());
+            return self.report(errors::unknown_setting(&field.name, "material", similar, &all));
+        };
+        let value = self.eval(&field.value, env)?;
+        let number = self.as_typed(value, column.default().ty(), field.value.span)?;
+        if !column.is_built() && number.known() != Some(column.default()) {
+            let what = format!("`{}` of a material", column.name());
+            return self.report(errors::not_built_yet(field.name.span, &what, "leave it out for now"));
+        }
+        Ok((column, number))
+    }
+
+    /// The variables of a material: `p` and `n` in the frame in which the painted shape is sampled.
+    fn material_env(
+        &mut self,
+        record: &'t Record,
+        env: &Env<'t>,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Env<'t>> {
+        let mut out = env.bind(Arc::from("p"), Value::Number(point.clone()));
+        if record.fields.iter().any(|f| crate::value::mentions(&f.value, "n")) {
+            // The normal of the painted shape itself, in its own frame; the scene's where it has none.
+            let own = match self.gradient(shape, point, span)? {
+                Value::Record(r) => match r.get("gradient") {
+                    Some(Value::Number(g)) => g.clone(),
+                    _ => normal.clone(),
+                },
+                _ => normal.clone(),
+            };
+            let own = self.unary(Unary::Normalize, &own, span)?;
+            out = out.bind(Arc::from("n"), Value::Number(own));
+        }
+        Ok(out)
+    }
+
+    /// Notes a sample and gives what stands for it in the formula of the field that took it.
+    pub fn note_sample(
+        &mut self,
+        samples: &mut Vec<Sample<'t>>,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        distance: Number,
+    ) -> Number {
+        let depth = self.contexts.depth();
+        if matches!(&distance.repr, Repr::Local(d, _) if *d == depth) {
+            // Its point depends on another sample of the same field: it has no material of its own.
+            return distance;
+        }
+        let outside = self.contexts.import(&distance, depth - 1);
+        if let Some(same) = samples.iter().find(|s| s.outside == outside) {
+            return self.contexts.local(depth, same.stand_in, Type::Float);
+        }
+        let at_caller = self.contexts.local(depth - 1, outside, Type::Float);
+        let stand_in = self.contexts.stand_in(outside);
+        samples.push(Sample {
+            shape: shape.clone(),
+            point: point.clone(),
+            outside,
+            distance: at_caller,
+            stand_in,
+        });
+        self.contexts.local(depth, stand_in, Type::Float)
+    }
+
+    fn times(&mut self, a: &Number, b: &Number) -> Number {
+        self.contexts.apply(Op::Binary(Binary::Multiply), &[a.clone(), b.clone()])
+    }
+
+    fn plus(&mut self, a: &Number, b: &Number) -> Number {
+        self.contexts.apply(Op::Binary(Binary::Add), &[a.clone(), b.clone()])
+    }
+
+    fn minus(&mut self, a: &Number, b: &Number) -> Number {
+        self.contexts.apply(Op::Binary(Binary::Subtract), &[a.clone(), b.clone()])
+    }
+
+    fn add_weighted(&mut self, base: &[Number], added: &[Number], weight: &Number) -> Vec<Number> {
+        base.iter()
+            .zip(added)
+            .map(|(b, a)| {
+                let part = self.times(a, weight);
+                self.plus(b, &part)
+            })
+            .collect()
+    }
+}
+
+fn zero_of(c: Constant) -> Constant {
+    Constant::from_components(&vec![0.0; c.ty().size()])
+}
+
+fn is_zero(builder: &Builder, v: sdf_ir::Value) -> bool {
+    builder.constant_of(v) == Some(Constant::Float(0.0))
+}
+
+/// Whether a share is certainly not above zero, from its form.
+fn never_positive(builder: &Builder, v: sdf_ir::Value) -> bool {
+    match builder.node(v) {
+        Node::Float(bits) => f64::from_bits(bits) <= 0.0,
+        Node::Unary(Unary::Negate, a) => never_negative(builder, a),
+        Node::Ternary(Ternary::Select, _, a, b) => never_positive(builder, a) && never_positive(builder, b),
+        Node::Binary(Binary::Add, a, b) => never_positive(builder, a) && never_positive(builder, b),
+        Node::Binary(Binary::Multiply, a, b) => {
+            (never_positive(builder, a) && never_negative(builder, b))
+                || (never_negative(builder, a) && never_positive(builder, b))
+        }
+        Node::Binary(Binary::Min, a, b) => never_positive(builder, a) || never_positive(builder, b),
+        _ => false,
+    }
+}
+
+/// Whether a share is certainly not below zero, from its form.
+fn never_negative(builder: &Builder, v: sdf_ir::Value) -> bool {
+    match builder.node(v) {
+        Node::Float(bits) => f64::from_bits(bits) >= 0.0,
+        Node::Unary(Unary::Negate, a) => never_positive(builder, a),
+        Node::Unary(Unary::Abs | Unary::Sqrt | Unary::Length, _) => true,
+        Node::Ternary(Ternary::Select, _, a, b) => never_negative(builder, a) && never_negative(builder, b),
+        Node::Binary(Binary::Add, a, b) => never_negative(builder, a) && never_negative(builder, b),
+        Node::Binary(Binary::Multiply, a, b) => {
+            (never_negative(builder, a) && never_negative(builder, b))
+                || (never_positive(builder, a) && never_positive(builder, b))
+        }
+        Node::Binary(Binary::Max, a, b) => never_negative(builder, a) || never_negative(builder, b),
+        _ => false,
+    }
+}

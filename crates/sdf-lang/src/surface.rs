@@ -108,6 +108,28 @@ impl<'t> Elaborator<'t> {
             return self.report(errors::not_static(span, "whether there is a surface here"));
         }
         self.find_columns(shape, point, normal, span)?;
+        let name: Arc<str> = Arc::from("surface");
+        self.contexts.open(&name, None);
+        let p = self.contexts.parameter(&Arc::from("p"), point, true);
+        let n = self.contexts.parameter(&Arc::from("n"), normal, false);
+        let found = self.surface_record(shape, &p, &n, span).and_then(|record| self.flatten(&record, span));
+        match found {
+            Ok((record, numbers)) => Ok(self.close_with(&name, &record, numbers)),
+            Err(reported) => {
+                self.contexts.discard();
+                Err(reported)
+            }
+        }
+    }
+
+    /// The record of the properties in use, the others being their defaults.
+    fn surface_record(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         let mix = self.mix(shape, point, normal, span)?;
         let bare_weight = match &mix {
             Mix::Bare => Number::float(1.0),

@@ -46,7 +46,10 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Vec<[f64
         let quarter = half / 2.0;
         let children: Vec<[f64; 3]> = cells
             .iter()
-            .flat_map(|c| (0..8).map(|k| std::array::from_fn(|i| c[i] + if k >> i & 1 == 1 { quarter } else { -quarter })))
+            .flat_map(|c| {
+                (0..8)
+                    .map(|k| std::array::from_fn(|i| c[i] + if k >> i & 1 == 1 { quarter } else { -quarter }))
+            })
             .collect();
         half = quarter;
         let distances = field.distances(&mut machine, &children);
@@ -57,7 +60,10 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Vec<[f64
             .map(|(c, _)| c)
             .collect();
         let at_border = |c: &[f64; 3]| c.iter().any(|x| x.abs() + 1.5 * half > REACH);
-        if cells.is_empty() || cells.len() > MOST_CELLS || (half <= REACH / 8.0 && cells.iter().any(at_border)) {
+        if cells.is_empty()
+            || cells.len() > MOST_CELLS
+            || (half <= REACH / 8.0 && cells.iter().any(at_border))
+        {
             return Vec::new();
         }
         let extent = (0..3)

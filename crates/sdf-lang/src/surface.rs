@@ -103,7 +103,13 @@ struct Part {
 
 impl<'t> Elaborator<'t> {
     /// `surface(s, p, n)`: a record of the properties of the material at a point of the surface.
-    pub fn surface(&mut self, shape: &Rc<Shape<'t>>, point: &Number, normal: &Number, span: Span) -> Eval<Value<'t>> {
+    pub fn surface(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         if self.contexts.depth() == 0 {
             return self.report(errors::not_static(span, "whether there is a surface here"));
         }
@@ -227,6 +233,10 @@ impl<'t> Elaborator<'t> {
             self.contexts.discard();
             return self.mix(&only.shape, &only.point, normal, span);
         }
+        if !is_straight(self.contexts.builder()) {
+            self.contexts.discard();
+            return self.report(errors::no_shares(span));
+        }
         let stand_ins: Vec<_> = samples.iter().map(|s| s.stand_in).collect();
         let builder = self.contexts.builder();
         let adjoints = sdf_ir::adjoint::adjoints(builder, result, &stand_ins);
@@ -264,14 +274,16 @@ impl<'t> Elaborator<'t> {
         let mut sums: Vec<Number> =
             self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect();
         for part in &parts {
-            let positive = self.contexts.apply(Op::Binary(Binary::Max), &[part.share.clone(), Number::float(0.0)]);
+            let positive =
+                self.contexts.apply(Op::Binary(Binary::Max), &[part.share.clone(), Number::float(0.0)]);
             match &part.mix {
                 Mix::Bare => {
                     total = self.plus(&total, &positive);
                     bare_sum = self.plus(&bare_sum, &positive);
                 }
                 Mix::Painted { columns, bare } => {
-                    let weight = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.share));
+                    let weight =
+                        self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.share));
                     for (sum, column) in sums.iter_mut().zip(columns).take(count) {
                         let weighted = self.times(column, &weight);
                         *sum = self.plus(sum, &weighted);
@@ -291,7 +303,10 @@ impl<'t> Elaborator<'t> {
         let nearest = self.nearest(&parts);
         let none = self.contexts.apply(Op::Binary(Binary::LessEqual), &[total.clone(), Number::float(0.0)]);
         let (near_columns, near_bare) = match nearest {
-            Mix::Bare => (self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect(), Number::float(1.0)),
+            Mix::Bare => (
+                self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect(),
+                Number::float(1.0),
+            ),
             Mix::Painted { columns, bare } => (columns, bare),
         };
         let columns = sums
@@ -322,8 +337,9 @@ impl<'t> Elaborator<'t> {
             best = Some(match best {
                 None => (size, columns, bare),
                 Some((best_size, best_columns, best_bare)) => {
-                    let keep =
-                        self.contexts.apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
+                    let keep = self
+                        .contexts
+                        .apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
                     let mut choose = |a: Number, b: Number| {
                         self.contexts.apply(Op::Ternary(Ternary::Select), &[keep.clone(), a, b])
                     };
@@ -475,6 +491,16 @@ impl<'t> Elaborator<'t> {
 
 fn zero_of(c: Constant) -> Constant {
     Constant::from_components(&vec![0.0; c.ty().size()])
+}
+
+/// Whether a formula has no branches, loops or calls in it.
+fn is_straight(builder: &Builder) -> bool {
+    let function = builder.function();
+    function
+        .root()
+        .body
+        .iter()
+        .all(|v| !matches!(function.node(*v), Node::Call(..) | Node::If(..) | Node::Loop(_)))
 }
 
 fn is_zero(builder: &Builder, v: sdf_ir::Value) -> bool {

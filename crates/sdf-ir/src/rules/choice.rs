@@ -71,11 +71,14 @@ pub(super) fn unary_of_choice(b: &mut Builder, op: Unary, a: Value) -> Option<Va
 /// `op(x, y)` of choices.
 pub(super) fn binary_of_choices(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
     match (b.node(x), b.node(y)) {
-        (Node::Ternary(Ternary::Select, c, x1, x2), Node::Ternary(Ternary::Select, again, y1, y2)) if c == again => {
+        (Node::Ternary(Ternary::Select, c, x1, x2), Node::Ternary(Ternary::Select, again, y1, y2))
+            if c == again =>
+        {
             // (c ? x1 : x2) + (c ? y1 : y2) == c ? x1 + y1 : x2 + y2, where both sums are simpler than that
             let folds = |b: &Builder, x, y| {
                 let constants = chooses_constants(b, x, CHOICES) && chooses_constants(b, y, CHOICES);
-                constants || (op == Binary::Add && (super::is_number(b, x, 0.0) || super::is_number(b, y, 0.0)))
+                constants
+                    || (op == Binary::Add && (super::is_number(b, x, 0.0) || super::is_number(b, y, 0.0)))
             };
             (folds(b, x1, y1) && folds(b, x2, y2)).then(|| {
                 let (first, second) = (b.binary(op, x1, y1), b.binary(op, x2, y2));

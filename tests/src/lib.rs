@@ -1,1 +1,4 @@
 //! Helpers of the suites in `tests/`.
+
+pub mod numbers;
+pub mod run;

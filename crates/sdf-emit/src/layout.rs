@@ -48,19 +48,14 @@ impl UniformLayout {
         UniformLayout { fields, size: end.next_multiple_of(16) }
     }
 
-    /// The bytes of the block for a picture of `resolution` pixels, where `value` tells a uniform's value. The
-    /// resolution is taken from `resolution`, whether the program has it or not.
-    pub fn bytes(
-        &self,
-        program: &Program,
-        resolution: [f32; 2],
-        mut value: impl FnMut(usize) -> Constant,
-    ) -> Vec<u8> {
+    /// The bytes of the block. `values` are those of the program's uniforms, in its order; `resolution` is the
+    /// picture's width and height, for where the program has no uniform of that role.
+    pub fn bytes(&self, resolution: [u32; 2], values: &[Constant]) -> Vec<u8> {
         let mut bytes = vec![0; self.size];
         for field in &self.fields {
             let value = match field.uniform {
-                Some(i) if program.uniforms[i].role != Role::Resolution => value(i),
-                _ => Constant::Vec2(resolution.map(f64::from)),
+                Some(i) => values[i],
+                None => Constant::Vec2(resolution.map(f64::from)),
             };
             let words: Vec<u32> = match value {
                 Constant::Bool(b) => vec![u32::from(b)],
@@ -98,12 +93,13 @@ mod tests {
         let layout = UniformLayout::of(&program);
         let offsets: Vec<usize> = layout.fields.iter().map(|f| f.offset).collect();
         assert_eq!((offsets, layout.size), (vec![0, 16, 28, 32, 40], 48));
-        let bytes = layout.bytes(&program, [640.0, 360.0], |i| match i {
-            0 => Constant::Float(0.5),
-            1 => Constant::Vec3([1.0, 2.0, 3.0]),
-            2 => Constant::Bool(true),
-            _ => Constant::Vec2([0.25, 0.75]),
-        });
+        let values = [
+            Constant::Float(0.5),
+            Constant::Vec3([1.0, 2.0, 3.0]),
+            Constant::Bool(true),
+            Constant::Vec2([0.25, 0.75]),
+        ];
+        let bytes = layout.bytes([640, 360], &values);
         let words: Vec<u32> = bytes.chunks(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect();
         let f = f32::to_bits;
         let expected = [f(0.5), 0, 0, 0, f(1.0), f(2.0), f(3.0), 1, f(0.25), f(0.75), f(640.0), f(360.0)];

@@ -20,6 +20,11 @@ pub(crate) trait Links {
         index
     }
 
+    /// What an operation becomes. `node` is the one that is copied, `operands` are what its operands became.
+    fn operation(&self, builder: &mut Builder, node: Node, operands: &[Value]) -> Value {
+        operation(builder, node, operands)
+    }
+
     /// The results of a call with these arguments.
     fn call(
         &self,
@@ -154,44 +159,14 @@ impl<'a> Copy<'a> {
                 let arguments = self.values(builder, source.list(list));
                 self.links.call(builder, callee, &results, &arguments)
             }
-            node => vec![self.operation(builder, node)],
+            node => {
+                let mut operands = Vec::with_capacity(3);
+                source.operands(value, |operand| operands.push(operand));
+                let operands = self.values(builder, &operands);
+                vec![self.links.operation(builder, node, &operands)]
+            }
         };
         self.set(builder, value, copied);
-    }
-
-    fn operation(&mut self, builder: &mut Builder, node: Node) -> Value {
-        match node {
-            Node::Unary(op, a) => {
-                let a = self.value(builder, a);
-                builder.unary(op, a)
-            }
-            Node::Binary(op, a, b) => {
-                let (a, b) = (self.value(builder, a), self.value(builder, b));
-                builder.binary(op, a, b)
-            }
-            Node::Ternary(op, a, b, c) => {
-                let (a, b, c) = (self.value(builder, a), self.value(builder, b), self.value(builder, c));
-                builder.ternary(op, a, b, c)
-            }
-            Node::Compose2(x, y) => {
-                let parts = self.values(builder, &[x, y]);
-                builder.compose(&parts)
-            }
-            Node::Compose3(x, y, z) => {
-                let parts = self.values(builder, &[x, y, z]);
-                builder.compose(&parts)
-            }
-            Node::Component(a, index) => {
-                let a = self.value(builder, a);
-                builder.component(a, index as usize)
-            }
-            Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_) => {
-                unreachable!("leaves stand in no body")
-            }
-            Node::Call(..) | Node::If(..) | Node::Loop(_) | Node::Result(..) => {
-                unreachable!("handled by the caller, since they may have several results")
-            }
-        }
     }
 
     fn branch(
@@ -239,6 +214,18 @@ impl<'a> Copy<'a> {
             Node::Global(index) => builder.global(self.links.global(index), ty()),
             _ => self.copied[value.0 as usize][0],
         }
+    }
+}
+
+/// The operation of this node, on these operands.
+pub(crate) fn operation(builder: &mut Builder, node: Node, operands: &[Value]) -> Value {
+    match (node, operands) {
+        (Node::Unary(op, _), &[a]) => builder.unary(op, a),
+        (Node::Binary(op, ..), &[a, b]) => builder.binary(op, a, b),
+        (Node::Ternary(op, ..), &[a, b, c]) => builder.ternary(op, a, b, c),
+        (Node::Compose2(..) | Node::Compose3(..), parts) => builder.compose(parts),
+        (Node::Component(_, index), &[a]) => builder.component(a, index as usize),
+        _ => unreachable!("{node:?} is no operation on {} values", operands.len()),
     }
 }
 

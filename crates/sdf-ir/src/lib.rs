@@ -18,6 +18,8 @@ pub mod program;
 #[cfg(test)]
 mod reference;
 mod rules;
+pub mod simplify;
+pub mod total;
 pub mod verify;
 
 pub use build::Builder;
@@ -28,4 +30,6 @@ pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
     Type, Unary, Uniform, Value,
 };
+pub use simplify::simplify;
+pub use total::legalise;
 pub use verify::verify;

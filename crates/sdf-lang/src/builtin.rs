@@ -4,7 +4,7 @@ use crate::call::{Slot, SlotKind};
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
-use crate::value::{Number, Shape, ShapeKind, Value};
+use crate::value::{Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Constant, Ternary, Type, Unary};
 use sdf_syntax::Span;
 use sdf_syntax::tree::TypeKind;
@@ -326,7 +326,7 @@ impl<'t> Elaborator<'t> {
         let types: Vec<Type> = initial.iter().map(|n| n.ty).collect();
 
         let until_region = self.contexts.builder().open_region(&types);
-        let state = self.region_state(&template, until_region, 0, &types);
+        let state = self.region_state(&template, until_region, 0, &initial);
         let stop = match &arguments[3] {
             Some(until) => self
                 .call_function(until, vec![state], span)
@@ -340,7 +340,7 @@ impl<'t> Elaborator<'t> {
         next_types.extend(&types);
         let next_region = self.contexts.builder().open_region(&next_types);
         let round = self.region_argument(next_region, 0, Type::Float);
-        let state = self.region_state(&template, next_region, 1, &types);
+        let state = self.region_state(&template, next_region, 1, &initial);
         let after = self
             .call_function(next, vec![Value::Number(round), state], span)
             .and_then(|v| self.like(&template, &v, span));
@@ -363,10 +363,19 @@ impl<'t> Elaborator<'t> {
         template: &Value<'t>,
         region: sdf_ir::RegionId,
         skip: usize,
-        types: &[Type],
+        initial: &[Number],
     ) -> Value<'t> {
-        let numbers: Vec<Number> =
-            types.iter().enumerate().map(|(i, ty)| self.region_argument(region, i + skip, *ty)).collect();
+        let numbers: Vec<Number> = initial
+            .iter()
+            .enumerate()
+            .map(|(i, before)| {
+                let argument = self.region_argument(region, i + skip, before.ty);
+                if let (Some(name), Repr::Local(_, node) | Repr::Frame(node)) = (&before.name, &argument.repr) {
+                    self.contexts.builder().name(*node, name);
+                }
+                argument
+            })
+            .collect();
         crate::eval::rebuild(template, &mut numbers.into_iter())
     }
 

@@ -344,8 +344,7 @@ impl Contexts {
         for n in operands {
             identity(n).hash(&mut hasher);
         }
-        let names: Vec<&str> = operands.iter().filter_map(|n| n.name.as_deref()).collect();
-        let name = (!names.is_empty() && names.len() <= 3).then(|| Arc::from(names.join("_")));
+        let name = name_of_result(op, operands);
         Number { ty: result.ty, key: hasher.finish(), name, repr: Repr::Outer(depth, Rc::new(result)) }
     }
 
@@ -375,6 +374,18 @@ fn identity(number: &Number) -> u64 {
         }
         Repr::Frame(v) => hash(&("frame", v)),
         Repr::Local(..) | Repr::Outer(..) => number.key,
+    }
+}
+
+/// What a number that is computed from named ones is called, where a name says anything.
+fn name_of_result(op: Op, operands: &[Number]) -> Option<Arc<str>> {
+    let mut names: Vec<&str> = operands.iter().filter_map(|n| n.name.as_deref()).collect();
+    names.dedup();
+    match (op, &names[..]) {
+        (Op::Component(i), [name]) => Some(Arc::from(format!("{name}_{}", ["x", "y", "z"][i as usize]))),
+        (_, [name]) => Some(Arc::from(*name)),
+        (_, [a, b]) if a.len() + b.len() < 16 => Some(Arc::from(format!("{a}_{b}"))),
+        _ => None,
     }
 }
 

@@ -733,8 +733,12 @@ impl<'t> Elaborator<'t> {
         match value {
             Value::Number(n) => out.push(n.clone()),
             Value::Record(r) => {
-                for (_, v) in &r.fields {
+                for (name, v) in &r.fields {
+                    let first = out.len();
                     self.flatten_into(v, span, out)?;
+                    if let [only] = &mut out[first..] {
+                        only.name = Some(name.clone());
+                    }
                 }
             }
             Value::List(l) => {

@@ -515,10 +515,11 @@ impl Gpu {
         })?;
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
         self.device.poll(wait).map_err(|error| GpuError::failed(DOING, error))?;
-        match receiver.try_recv() {
+        // Another thread that polls the device may be the one that runs the callback.
+        match receiver.recv_timeout(TIMEOUT) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(GpuError::failed(DOING, error)),
-            Err(_) => return Err(GpuError::failed(DOING, "the buffer was not mapped")),
+            Err(error) => return Err(GpuError::failed(DOING, error)),
         }
         let bytes = buffer.get_mapped_range(..).map_err(|error| GpuError::failed(DOING, error))?.to_vec();
         buffer.unmap();

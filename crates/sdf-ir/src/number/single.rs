@@ -70,18 +70,19 @@ impl Number for f32 {
             Binary::Subtract => a - b,
             Binary::Multiply => a * b,
             Binary::Divide => a / b,
+            // Of 0 and -0 the second, as the processors' instructions have it and lavapipe too.
             Binary::Min => {
-                if b < a {
-                    b
-                } else {
+                if a < b {
                     a
+                } else {
+                    b
                 }
             }
             Binary::Max => {
-                if a < b {
-                    b
-                } else {
+                if b < a {
                     a
+                } else {
+                    b
                 }
             }
             Binary::Modulo | Binary::Power | Binary::Atan2 => {

@@ -75,9 +75,11 @@ pub(super) fn extremum(b: &mut Builder, op: Binary, x: Value, y: Value) -> Optio
 
 /// `min(x, y)`, by what y is.
 fn bounded(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
+    // min(x, min(z, min(x, w))) == min(z, min(x, w))
+    if chain_contains(b, op, y, x, CHAIN) {
+        return Some(y);
+    }
     match b.node(y) {
-        // min(x, min(x, z)) == min(x, z)
-        Node::Binary(inner, z, w) if inner == op && (x == z || x == w) => return Some(y),
         // min(x, max(x, z)) == x
         Node::Binary(inner @ (Binary::Min | Binary::Max), z, w) if inner != op && (x == z || x == w) => {
             return Some(x);
@@ -101,4 +103,23 @@ fn bounded(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
     };
     let k = fold(b, Constant::binary(op, k, c))?;
     Some(b.binary(op, z, k))
+}
+
+/// How deep a chain of `min` is searched for an operand that it has already.
+const CHAIN: u32 = 16;
+
+fn chain_contains(b: &Builder, op: Binary, mut chain: Value, x: Value, depth: u32) -> bool {
+    // A chain leans to one side; the other one is looked into, but not followed.
+    for _ in 0..depth {
+        let Node::Binary(inner, z, w) = b.node(chain) else { return false };
+        if inner != op {
+            return false;
+        }
+        if z == x || w == x {
+            return true;
+        }
+        let leans = |v| matches!(b.node(v), Node::Binary(inner, ..) if inner == op);
+        chain = if leans(z) { z } else { w };
+    }
+    false
 }

@@ -1,0 +1,419 @@
+//! Simplification of a whole program: what is left is called for by somebody.
+//!
+//! Each function that is reached is made anew, so that the rules see what they could not when it was built. Then
+//! parameters, functions, uniforms and globals that nobody uses go, functions that are the same become one, and
+//! calls of functions that compute nothing become what they yield. All of that is repeated until it changes
+//! nothing, so simplifying twice is simplifying once.
+
+use crate::build::Builder;
+use crate::copy::{Links, inline, live};
+use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
+use std::collections::HashMap;
+
+/// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
+/// The entry and the roots keep their parameters and results.
+pub fn simplify(program: &Program, roots: &[FunctionId]) -> (Program, Vec<FunctionId>) {
+    let (mut program, mut roots) = (program.clone(), roots.to_vec());
+    loop {
+        let (smaller, moved) = without_unused_inputs(&once(&program, &roots));
+        if smaller == program {
+            return (smaller, moved);
+        }
+        roots = moved;
+        program = smaller;
+    }
+}
+
+/// A program, and where the roots are in it.
+type Rooted = (Program, Vec<FunctionId>);
+
+/// Makes every function that is reached anew.
+fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
+    let fixed: Vec<FunctionId> = program.entry.iter().chain(&program.frame).chain(roots).copied().collect();
+    let reached = reached(program, &fixed);
+    let mut made = Rebuild {
+        program: Program {
+            uniforms: program.uniforms.clone(),
+            globals: program.globals.clone(),
+            ..Program::default()
+        },
+        callees: program.functions.iter().map(|_| None).collect(),
+        known: HashMap::new(),
+    };
+    for (index, function) in program.functions.iter().enumerate().filter(|(index, _)| reached[*index]) {
+        let id = FunctionId(index as u32);
+        made.function(id, function, fixed.contains(&id));
+    }
+    let moved = |id: FunctionId| made.callee(id).id;
+    let roots = roots.iter().copied().map(moved).collect();
+    let (entry, frame) = (program.entry.map(moved), program.frame.map(moved));
+    (Program { entry, frame, ..made.program }, roots)
+}
+
+/// Which functions the live nodes of these call, directly or not.
+fn reached(program: &Program, from: &[FunctionId]) -> Vec<bool> {
+    let mut reached = vec![false; program.functions.len()];
+    for id in from {
+        reached[id.0 as usize] = true;
+    }
+    for index in (0..reached.len()).rev() {
+        if !reached[index] {
+            continue;
+        }
+        let function = &program.functions[index];
+        for node in live_nodes(function) {
+            if let Node::Call(callee, _) = node {
+                reached[callee.0 as usize] = true;
+            }
+        }
+    }
+    reached
+}
+
+fn live_nodes(function: &Function) -> impl Iterator<Item = Node> {
+    let live = live(function).into_iter();
+    function.nodes.iter().zip(live).filter(|(_, live)| *live).map(|(node, _)| *node)
+}
+
+/// What has become of a function.
+struct Callee {
+    id: FunctionId,
+    /// Which parameters it still takes.
+    takes: Vec<bool>,
+    /// What it yields where it computes nothing.
+    trivial: Option<Vec<Trivial>>,
+}
+
+/// A result that needs no call.
+#[derive(Clone, Copy)]
+enum Trivial {
+    /// A parameter, by its place before any was dropped.
+    Parameter(u16),
+    /// A number.
+    Float(f64),
+    /// A truth value.
+    Bool(bool),
+}
+
+/// The program that is being made.
+struct Rebuild {
+    program: Program,
+    callees: Vec<Option<Callee>>,
+    /// The functions so far, without the names that do not matter.
+    known: HashMap<Function, FunctionId>,
+}
+
+impl Links for Rebuild {
+    fn call(
+        &self,
+        builder: &mut Builder,
+        callee: FunctionId,
+        results: &[Type],
+        arguments: &[Value],
+    ) -> Vec<Value> {
+        let callee = self.callee(callee);
+        if let Some(trivial) = &callee.trivial {
+            let result = |result: &Trivial| match *result {
+                Trivial::Parameter(index) => arguments[index as usize],
+                Trivial::Float(x) => builder.float(x),
+                Trivial::Bool(it) => builder.bool(it),
+            };
+            return trivial.iter().map(result).collect();
+        }
+        let taken = arguments.iter().zip(&callee.takes).filter(|(_, takes)| **takes);
+        let taken: Vec<Value> = taken.map(|(argument, _)| *argument).collect();
+        builder.call(callee.id, results, &taken)
+    }
+}
+
+impl Rebuild {
+    fn callee(&self, id: FunctionId) -> &Callee {
+        self.callees[id.0 as usize].as_ref().expect("callees stand before their callers")
+    }
+
+    /// Makes a function anew; one that is fixed keeps its parameters.
+    fn function(&mut self, id: FunctionId, source: &Function, is_fixed: bool) {
+        let all = vec![true; source.parameters.len()];
+        let copied = with_parameters(source, &all, self);
+        let takes = if is_fixed { all } else { used_parameters(&copied) };
+        let made = if takes.contains(&false) {
+            with_parameters(&copied, &takes, &crate::copy::SameProgram)
+        } else {
+            copied.clone()
+        };
+        let trivial = trivial(&copied);
+        let key = without_names(&made);
+        let id_now = match self.known.get(&key) {
+            Some(same) if !is_fixed => *same,
+            _ => {
+                let new = self.program.add(made);
+                self.known.entry(key).or_insert(new);
+                new
+            }
+        };
+        self.callees[id.0 as usize] = Some(Callee { id: id_now, takes, trivial });
+    }
+}
+
+/// The function with only these of its parameters; nothing may depend on the others.
+fn with_parameters(source: &Function, takes: &[bool], links: &dyn Links) -> Function {
+    let parameters = source.parameters.iter().zip(takes).filter(|(_, takes)| **takes);
+    let parameters: Vec<Parameter> = parameters.map(|(parameter, _)| parameter.clone()).collect();
+    let mut builder = Builder::new(source.name.clone(), parameters);
+    builder.set_line(source.line);
+    let mut kept = 0..;
+    let arguments: Vec<Value> = takes
+        .iter()
+        .map(|takes| {
+            if *takes {
+                builder.argument(RegionId::ROOT, kept.next().expect("no end"))
+            } else {
+                builder.bool(false)
+            }
+        })
+        .collect();
+    let results = inline(&mut builder, source, &arguments, links);
+    builder.finish(results.into_iter().zip(source.result_names.iter().cloned()).collect())
+}
+
+fn used_parameters(function: &Function) -> Vec<bool> {
+    let mut used = vec![false; function.parameters.len()];
+    for node in live_nodes(function) {
+        if let Node::Argument(RegionId::ROOT, index) = node {
+            used[index as usize] = true;
+        }
+    }
+    used
+}
+
+/// What the function yields, where each result is a parameter or a number.
+fn trivial(function: &Function) -> Option<Vec<Trivial>> {
+    let result = |value: &Value| match function.node(*value) {
+        Node::Argument(RegionId::ROOT, index) => Some(Trivial::Parameter(index)),
+        Node::Float(bits) => Some(Trivial::Float(f64::from_bits(bits))),
+        Node::Bool(it) => Some(Trivial::Bool(it)),
+        _ => None,
+    };
+    function.root().results.iter().map(result).collect()
+}
+
+/// The function as it is compared with others.
+fn without_names(function: &Function) -> Function {
+    let mut it = function.clone();
+    it.name = "".into();
+    it.line = None;
+    it.names.fill(None);
+    it.result_names.fill("".into());
+    it.parameters.iter_mut().for_each(|parameter| parameter.name = "".into());
+    it
+}
+
+// ---- uniforms and globals
+
+/// New indices for what is kept.
+struct Renumbered {
+    uniforms: Vec<Option<u16>>,
+    globals: Vec<Option<u16>>,
+}
+
+impl Links for Renumbered {
+    fn uniform(&self, index: u16) -> u16 {
+        self.uniforms[index as usize].expect("a uniform that is read is kept")
+    }
+
+    fn global(&self, index: u16) -> u16 {
+        self.globals[index as usize].expect("a global that is read is kept")
+    }
+}
+
+/// The program without the globals that no function reads, and then without the uniforms.
+fn without_unused_inputs((program, roots): &Rooted) -> Rooted {
+    let mut uniforms = vec![false; program.uniforms.len()];
+    let mut globals = vec![false; program.globals.len()];
+    for node in program.functions.iter().flat_map(live_nodes) {
+        match node {
+            Node::Uniform(index) => uniforms[index as usize] = true,
+            Node::Global(index) => globals[index as usize] = true,
+            _ => {}
+        }
+    }
+    if !uniforms.contains(&false) && !globals.contains(&false) {
+        return (program.clone(), roots.clone());
+    }
+    let links = Renumbered { uniforms: renumbered(&uniforms), globals: renumbered(&globals) };
+    let mut smaller = Program {
+        uniforms: kept(&program.uniforms, &uniforms),
+        globals: kept(&program.globals, &globals),
+        entry: program.entry,
+        frame: program.frame.filter(|_| globals.contains(&true)),
+        functions: Vec::new(),
+    };
+    for (index, function) in program.functions.iter().enumerate() {
+        let mut function = function.clone();
+        if program.frame == Some(FunctionId(index as u32)) {
+            function.regions[0].results = kept(&function.regions[0].results, &globals);
+            function.result_names = kept(&function.result_names, &globals);
+        }
+        smaller.add(with_parameters(&function, &vec![true; function.parameters.len()], &links));
+    }
+    (smaller, roots.clone())
+}
+
+fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {
+    all.iter().zip(used).filter(|(_, used)| **used).map(|(it, _)| it.clone()).collect()
+}
+
+fn renumbered(used: &[bool]) -> Vec<Option<u16>> {
+    let mut next = 0..;
+    used.iter().map(|used| used.then(|| next.next().expect("no end"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::simplify;
+    use crate::build::Builder;
+    use crate::constant::Constant;
+    use crate::program::{
+        Binary, FunctionId, Global, Node, Parameter, Program, RegionId, Role, Type, Unary, Uniform, Value,
+    };
+
+    fn float(name: &str) -> Parameter {
+        Parameter { name: name.into(), ty: Type::Float, point: false }
+    }
+
+    fn uniform(name: &str) -> Uniform {
+        Uniform { name: name.into(), ty: Type::Float, role: Role::Time, default: Constant::Float(0.0) }
+    }
+
+    fn function(
+        program: &mut Program,
+        name: &str,
+        parameters: &[&str],
+        make: impl FnOnce(&mut Builder, &[Value]) -> Value,
+    ) -> FunctionId {
+        let mut b = Builder::new(name, parameters.iter().map(|name| float(name)).collect());
+        let arguments: Vec<Value> =
+            (0..parameters.len()).map(|i| b.argument(RegionId::ROOT, i as u16)).collect();
+        let result = make(&mut b, &arguments);
+        program.add(b.finish(vec![(result, "".into())]))
+    }
+
+    fn call(b: &mut Builder, callee: FunctionId, arguments: &[Value]) -> Value {
+        b.call(callee, &[Type::Float], arguments)[0]
+    }
+
+    /// Simplified, well formed, and so that it stays when simplified again.
+    fn simplified(program: &Program) -> Program {
+        assert_eq!(crate::verify(program), Ok(()));
+        let (once, _) = simplify(program, &[]);
+        assert_eq!(crate::verify(&once), Ok(()));
+        let (twice, _) = simplify(&once, &[]);
+        assert_eq!(twice, once);
+        once
+    }
+
+    #[test]
+    fn what_nobody_uses_goes() {
+        let mut program = Program {
+            uniforms: vec![uniform("unused"), uniform("for_unused_global"), uniform("used")],
+            globals: ["unused", "used"].map(|name| Global { name: name.into(), ty: Type::Float }).to_vec(),
+            ..Program::default()
+        };
+        let mut b = Builder::new("frame", vec![]);
+        let [first, second] = [1, 2].map(|i| b.uniform(i, Type::Float));
+        let results = [first, second].map(|v| (b.unary(Unary::Sin, v), "".into())).to_vec();
+        program.frame = Some(program.add(b.finish(results)));
+        function(&mut program, "unreached", &["x"], |b, x| b.unary(Unary::Tan, x[0]));
+        let callee = function(&mut program, "callee", &["a", "b", "c"], |b, x| {
+            b.unary(Unary::Tanh, x[0]);
+            let global = b.global(1, Type::Float);
+            b.mul(x[1], global)
+        });
+        let entry = function(&mut program, "entry", &["x", "unused"], |b, x| {
+            let dear = b.unary(Unary::Exp, x[0]);
+            call(b, callee, &[dear, x[0], dear])
+        });
+        program.entry = Some(entry);
+        insta::assert_snapshot!(simplified(&program));
+    }
+
+    #[test]
+    fn functions_that_are_the_same_become_one() {
+        let mut program = Program::default();
+        let [first, second] = ["first", "second"].map(|name| {
+            let inner =
+                function(&mut program, &format!("{name}_inner"), &[name], |b, x| b.unary(Unary::Cos, x[0]));
+            function(&mut program, name, &["x"], |b, x| {
+                let y = call(b, inner, x);
+                b.unary(Unary::Sin, y)
+            })
+        });
+        program.entry = Some(function(&mut program, "entry", &["x"], |b, x| {
+            let (a, c) = (call(b, first, x), call(b, second, x));
+            b.mul(a, c)
+        }));
+        let simple = simplified(&program);
+        assert_eq!(simple.functions.len(), 3);
+        assert_eq!(simple.functions[2].nodes.iter().filter(|n| matches!(n, Node::Call(..))).count(), 1);
+    }
+
+    #[test]
+    fn a_call_of_what_computes_nothing_is_its_result() {
+        let mut program = Program::default();
+        let second = function(&mut program, "second", &["a", "b"], |_, x| x[1]);
+        let zero = function(&mut program, "zero", &["a"], |b, x| b.sub(x[0], x[0]));
+        program.entry = Some(function(&mut program, "entry", &["x", "y"], |b, x| {
+            let a = call(b, second, x);
+            let z = call(b, zero, &[a]);
+            b.add(a, z)
+        }));
+        let simple = simplified(&program);
+        assert_eq!(simple.functions.len(), 1);
+        assert_eq!(simple.functions[0].root().results, [Value(1)]);
+        assert!(simple.functions[0].root().body.is_empty());
+    }
+
+    #[test]
+    fn a_bound_that_is_in_the_chain_already_goes() {
+        let mut program = Program::default();
+        let entry = function(&mut program, "entry", &["x", "y", "z"], |b, x| {
+            let first = b.min(x[0], x[1]);
+            let second = b.min(first, x[2]);
+            let third = b.min(second, x[1]);
+            b.min(x[0], third)
+        });
+        program.entry = Some(entry);
+        assert_eq!(simplified(&program).functions[0].root().body.len(), 2);
+    }
+
+    #[test]
+    fn roots_stay_as_they_are_called() {
+        let mut program = Program::default();
+        function(&mut program, "unreached", &["x"], |b, x| b.unary(Unary::Tan, x[0]));
+        let root = function(&mut program, "root", &["x", "unused"], |b, x| b.unary(Unary::Sin, x[0]));
+        let same = function(&mut program, "same", &["x", "unused"], |b, x| b.unary(Unary::Sin, x[0]));
+        let (simple, roots) = simplify(&program, &[root, same]);
+        assert_eq!(roots, [FunctionId(0), FunctionId(1)]);
+        assert_eq!(simple.function(roots[0]).parameters.len(), 2);
+        assert_eq!(&*simple.function(roots[1]).name, "same");
+    }
+
+    #[test]
+    fn a_condition_that_folds_on_the_way_takes_its_branch() {
+        let mut program = Program::default();
+        let one = function(&mut program, "one", &["a"], |b, _| b.float(1.0));
+        program.entry = Some(function(&mut program, "entry", &["x"], |b, x| {
+            let (one, zero) = (call(b, one, x), b.float(0.0));
+            let condition = b.binary(Binary::Less, zero, one);
+            let then = b.open_region(&[]);
+            let sine = b.unary(Unary::Sin, x[0]);
+            b.close_region(vec![sine]);
+            let otherwise = b.open_region(&[]);
+            let cosine = b.unary(Unary::Cos, x[0]);
+            b.close_region(vec![cosine]);
+            b.branch(condition, then, otherwise)[0]
+        }));
+        let simple = simplified(&program);
+        assert_eq!(simple.functions[0].root().body.len(), 1);
+    }
+}

@@ -5,6 +5,7 @@
 //! the names of shapes, files or graphics drivers.
 #![warn(missing_docs)]
 
+pub mod adjoint;
 pub mod bits;
 pub mod build;
 pub mod constant;
@@ -22,6 +23,7 @@ pub mod simplify;
 pub mod total;
 pub mod verify;
 
+pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;

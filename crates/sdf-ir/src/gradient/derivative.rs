@@ -94,10 +94,7 @@ impl Operation<'_, '_> {
     /// r' == (a' - r·(Σ rᵢ·a'ᵢ)) / length(a), and 0 at 0
     fn normalize(&self, b: &mut Builder, a: Value) -> Vec<Slope> {
         let copied = self.walk.copy.value(b, a);
-        let length = b.unary(Unary::Length, copied);
-        let (zero, one) = (b.float(0.0), b.float(1.0));
-        let (is_long, inverse) = (b.binary(Binary::Less, zero, length), b.div(one, length));
-        let inverse = b.select(is_long, inverse, zero);
+        let inverse = inverse_length(b, copied);
         let mut along = self.walk.flat();
         for i in 0..self.size {
             let r = b.component(self.result, i);
@@ -235,7 +232,13 @@ impl Operation<'_, '_> {
 }
 
 /// The slope of `r = op(x)`, a number, where x has the slope `dx`; `None` where it is flat.
-fn unary_number(b: &mut Builder, op: Unary, x: Value, r: Value, dx: &[Option<Value>]) -> Option<Slope> {
+pub(crate) fn unary_number(
+    b: &mut Builder,
+    op: Unary,
+    x: Value,
+    r: Value,
+    dx: &[Option<Value>],
+) -> Option<Slope> {
     let factor = match op {
         Unary::Negate => return Some(negated(b, dx)),
         // |x|' == x < 0 ? -1 : 1, one-sided at 0
@@ -296,6 +299,13 @@ fn unary_number(b: &mut Builder, op: Unary, x: Value, r: Value, dx: &[Option<Val
         }
     };
     Some(scaled(b, dx, factor))
+}
+
+/// `1 / length(a)`, and 0 where that is 0.
+pub(crate) fn inverse_length(b: &mut Builder, a: Value) -> Value {
+    let (zero, one, length) = (b.float(0.0), b.float(1.0), b.unary(Unary::Length, a));
+    let (is_long, inverse) = (b.binary(Binary::Less, zero, length), b.div(one, length));
+    b.select(is_long, inverse, zero)
 }
 
 /// `|x| < 1 ? 1 / sqrt(1 - x²) : 0`

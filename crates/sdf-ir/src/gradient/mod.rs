@@ -7,7 +7,7 @@
 //! operand for `min` and `max`, never a mean; a jump counts as flat.
 
 mod activity;
-mod derivative;
+pub(crate) mod derivative;
 #[cfg(test)]
 mod tests;
 

@@ -161,7 +161,8 @@ static FUNCTIONS: &[BuiltIn] = &[
         let (edge, x) = e.same_type(&number(a, 0), &number(a, 1), span)?;
         e.by_component(&[edge, x], |e, c| {
             let below = e.binary(Binary::Less, &c[1], &c[0], span)?;
-            Ok(e.contexts.apply(Op::Ternary(Ternary::Select), &[below, Number::float(0.0), Number::float(1.0)]))
+            Ok(e.contexts
+                .apply(Op::Ternary(Ternary::Select), &[below, Number::float(0.0), Number::float(1.0)]))
         })
     }),
     function("smoothstep", &[("low", NUMERIC), ("high", NUMERIC), ("x", NUMERIC)], |e, a, span| {
@@ -188,11 +189,14 @@ static FUNCTIONS: &[BuiltIn] = &[
     }),
     function("map", &[("list", LIST), ("f", FN)], |e, a, span| {
         let (Some(Value::List(list)), Some(f)) = (&a[0], &a[1]) else { unreachable!("fits") };
-        let items: Eval<Vec<_>> = list.items.iter().map(|v| e.call_function(f, vec![v.clone()], span)).collect();
+        let items: Eval<Vec<_>> =
+            list.items.iter().map(|v| e.call_function(f, vec![v.clone()], span)).collect();
         Ok(Value::list(items?))
     }),
     function("fold", &[("list", LIST), ("first", SlotKind::Any), ("f", FN)], |e, a, span| {
-        let (Some(Value::List(list)), Some(first), Some(f)) = (&a[0], &a[1], &a[2]) else { unreachable!("fits") };
+        let (Some(Value::List(list)), Some(first), Some(f)) = (&a[0], &a[1], &a[2]) else {
+            unreachable!("fits")
+        };
         list.items.iter().try_fold(first.clone(), |acc, v| e.call_function(f, vec![acc, v.clone()], span))
     }),
     BuiltIn {
@@ -233,7 +237,12 @@ fn number(arguments: &[Option<Value<'_>>], index: usize) -> Number {
     }
 }
 
-fn reduce<'t>(e: &mut Elaborator<'t>, arguments: &[Option<Value<'t>>], op: Binary, span: Span) -> Eval<Value<'t>> {
+fn reduce<'t>(
+    e: &mut Elaborator<'t>,
+    arguments: &[Option<Value<'t>>],
+    op: Binary,
+    span: Span,
+) -> Eval<Value<'t>> {
     let Some(Value::List(list)) = &arguments[0] else { unreachable!("a variadic parameter is a list") };
     let mut numbers = list.items.iter().map(|v| match v {
         Value::Number(n) => n.clone(),
@@ -255,7 +264,9 @@ fn smoothstep<'t>(e: &mut Elaborator<'t>, c: &[Number], span: Span) -> Eval<Numb
         && a == b
     {
         let below = e.binary(Binary::Less, x, low, span)?;
-        return Ok(e.contexts.apply(Op::Ternary(Ternary::Select), &[below, Number::float(0.0), Number::float(1.0)]));
+        return Ok(e
+            .contexts
+            .apply(Op::Ternary(Ternary::Select), &[below, Number::float(0.0), Number::float(1.0)]));
     }
     let from = e.binary(Binary::Subtract, x, low, span)?;
     let width = e.binary(Binary::Subtract, high, low, span)?;
@@ -319,7 +330,11 @@ impl<'t> Elaborator<'t> {
             return self.report(errors::not_static(span, "the number of rounds"));
         };
         if n < 0.0 || n.fract() != 0.0 || n > 65_536.0 {
-            return self.report(errors::out_of_range(span, "the number of rounds", "a whole number from 0 to 65536"));
+            return self.report(errors::out_of_range(
+                span,
+                "the number of rounds",
+                "a whole number from 0 to 65536",
+            ));
         }
         let (template, initial) = self.flatten(first, span)?;
         let values: Vec<_> = initial.iter().map(|n| self.contexts.value(n)).collect();
@@ -328,9 +343,9 @@ impl<'t> Elaborator<'t> {
         let until_region = self.contexts.builder().open_region(&types);
         let state = self.region_state(&template, until_region, 0, &initial);
         let stop = match &arguments[3] {
-            Some(until) => self
-                .call_function(until, vec![state], span)
-                .and_then(|v| self.as_typed(v, Type::Bool, span)),
+            Some(until) => {
+                self.call_function(until, vec![state], span).and_then(|v| self.as_typed(v, Type::Bool, span))
+            }
             None => Ok(Number::constant(Constant::Bool(false))),
         };
         let stop_value = stop.as_ref().map(|n| self.contexts.value(n));
@@ -370,7 +385,8 @@ impl<'t> Elaborator<'t> {
             .enumerate()
             .map(|(i, before)| {
                 let argument = self.region_argument(region, i + skip, before.ty);
-                if let (Some(name), Repr::Local(_, node) | Repr::Frame(node)) = (&before.name, &argument.repr) {
+                if let (Some(name), Repr::Local(_, node) | Repr::Frame(node)) = (&before.name, &argument.repr)
+                {
                     self.contexts.builder().name(*node, name);
                 }
                 argument

@@ -162,7 +162,12 @@ impl<'t> Elaborator<'t> {
     }
 
     /// A call of a function value with positional arguments.
-    pub fn call_function(&mut self, callee: &Value<'t>, arguments: Vec<Value<'t>>, span: Span) -> Eval<Value<'t>> {
+    pub fn call_function(
+        &mut self,
+        callee: &Value<'t>,
+        arguments: Vec<Value<'t>>,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         self.apply_value(callee.clone(), Given::positional(arguments), span)
     }
 
@@ -179,7 +184,12 @@ impl<'t> Elaborator<'t> {
     }
 
     /// The point at which a shape is called.
-    fn point_argument(&mut self, shape: &crate::value::Shape<'t>, given: Given<'t>, span: Span) -> Eval<Number> {
+    fn point_argument(
+        &mut self,
+        shape: &crate::value::Shape<'t>,
+        given: Given<'t>,
+        span: Span,
+    ) -> Eval<Number> {
         let (ty, kind) = match shape.dimension {
             Dimension::Three => (Type::Vec3, TypeKind::Vec3),
             Dimension::Two => (Type::Vec2, TypeKind::Vec2),
@@ -336,7 +346,12 @@ impl<'t> Elaborator<'t> {
         result
     }
 
-    fn is_outlined(&self, function: &'t Function, module: Module, arguments: &[(Arc<str>, Value<'t>)]) -> bool {
+    fn is_outlined(
+        &self,
+        function: &'t Function,
+        module: Module,
+        arguments: &[(Arc<str>, Value<'t>)],
+    ) -> bool {
         outline::stays_a_function(function, module)
             && !self.not_outlined.contains(&std::ptr::from_ref(function))
             && arguments.iter().any(|(_, v)| outline::has_local_number(v))
@@ -389,13 +404,14 @@ impl<'t> Elaborator<'t> {
             self.contexts.close(&results)
         }
         .into_iter();
-        let all: Vec<Number> = numbers
-            .into_iter()
-            .zip(kinds)
-            .map(|(n, is_result)| {
-                if is_result { from_call.next().expect("a result each") } else { self.contexts.settle(n) }
-            })
-            .collect();
+        let all: Vec<Number> =
+            numbers
+                .into_iter()
+                .zip(kinds)
+                .map(|(n, is_result)| {
+                    if is_result { from_call.next().expect("a result each") } else { self.contexts.settle(n) }
+                })
+                .collect();
         crate::eval::rebuild(template, &mut all.into_iter())
     }
 
@@ -407,21 +423,32 @@ impl<'t> Elaborator<'t> {
                 Value::Number(self.contexts.seen_from_inside(name, n, key))
             }
             Value::Record(r) if outline::has_local_number(value) => {
-                let fields =
-                    r.fields.iter().map(|(n, v)| (n.clone(), self.seen_from_inside(n, v))).collect();
+                let fields = r.fields.iter().map(|(n, v)| (n.clone(), self.seen_from_inside(n, v))).collect();
                 Value::record(fields)
             }
             other => other.clone(),
         }
     }
 
-    fn call_lambda(&mut self, lambda: &'t Lambda, env: &Env<'t>, given: Given<'t>, span: Span) -> Eval<Value<'t>> {
+    fn call_lambda(
+        &mut self,
+        lambda: &'t Lambda,
+        env: &Env<'t>,
+        given: Given<'t>,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::User)).collect();
         let fit = match fit(&mut self.contexts, &slots, &given) {
             Ok(fit) => fit,
             Err(why) => {
                 let signature = signature("", &slots);
-                return self.report(errors::no_fit(span, "this function", &given.describe(), &why, &[signature]));
+                return self.report(errors::no_fit(
+                    span,
+                    "this function",
+                    &given.describe(),
+                    &why,
+                    &[signature],
+                ));
             }
         };
         let mut inner = env.clone();
@@ -448,7 +475,9 @@ impl<'t> Elaborator<'t> {
 /// The parameters of a function.
 fn slots<'a>(candidate: &Candidate<'a>) -> Vec<Slot<'a>> {
     match candidate {
-        Candidate::Written(function, module) => function.parameters.iter().map(|p| slot(p, *module)).collect(),
+        Candidate::Written(function, module) => {
+            function.parameters.iter().map(|p| slot(p, *module)).collect()
+        }
         Candidate::BuiltIn(b) => b.slots(),
     }
 }
@@ -457,12 +486,19 @@ fn slots<'a>(candidate: &Candidate<'a>) -> Vec<Slot<'a>> {
 fn slot(parameter: &Parameter, module: Module) -> Slot<'_> {
     let kind = match (&parameter.ty, module) {
         (Some(ty), _) => SlotKind::Type(ty.kind),
-        (None, Module::Library) if parameter.default.as_ref().is_none_or(|d| matches!(d.kind, ExprKind::Number(_))) => {
+        (None, Module::Library)
+            if parameter.default.as_ref().is_none_or(|d| matches!(d.kind, ExprKind::Number(_))) =>
+        {
             SlotKind::Type(TypeKind::Float)
         }
         (None, _) => SlotKind::Any,
     };
-    Slot { name: &parameter.name.text, kind, variadic: parameter.variadic, optional: parameter.default.is_some() }
+    Slot {
+        name: &parameter.name.text,
+        kind,
+        variadic: parameter.variadic,
+        optional: parameter.default.is_some(),
+    }
 }
 
 /// A function's head, as messages show it.
@@ -514,11 +550,7 @@ fn fit<'t>(contexts: &mut Contexts, slots: &[Slot<'_>], given: &Given<'t>) -> Re
 }
 
 /// The positional arguments with the components of each vector parameter gathered to one vector.
-fn gather_rows<'t>(
-    contexts: &mut Contexts,
-    slots: &[Slot<'_>],
-    given: &Given<'t>,
-) -> Option<Vec<Value<'t>>> {
+fn gather_rows<'t>(contexts: &mut Contexts, slots: &[Slot<'_>], given: &Given<'t>) -> Option<Vec<Value<'t>>> {
     let mut out: Vec<Value<'t>> = given.receiver.iter().cloned().collect();
     let mut rest = given.positional.iter();
     let mut gathered = false;
@@ -579,7 +611,11 @@ fn fit_plain<'t>(
     }
     if rest.peek().is_some() {
         let most = slots.len();
-        return Err(format!("takes {most} argument{}, {} given", if most == 1 { "" } else { "s" }, positional.len()));
+        return Err(format!(
+            "takes {most} argument{}, {} given",
+            if most == 1 { "" } else { "s" },
+            positional.len()
+        ));
     }
     for (name, value) in named {
         let Some(i) = slots.iter().position(|s| s.name == &*name.text) else {
@@ -624,14 +660,12 @@ fn takes(slot: &Slot<'_>, value: &Value<'_>) -> Result<u32, String> {
         SlotKind::Type(TypeKind::Vec2) => (number(Type::Vec2), "a vec2"),
         SlotKind::Type(TypeKind::Vec3) => (number(Type::Vec3), "a vec3"),
         SlotKind::Type(TypeKind::Bool) => (number(Type::Bool), "a bool"),
-        SlotKind::Type(TypeKind::Shape) => (
-            matches!(value, Value::Shape(s) if s.dimension == Dimension::Three).then_some(0),
-            "a shape",
-        ),
-        SlotKind::Type(TypeKind::Shape2) => (
-            matches!(value, Value::Shape(s) if s.dimension == Dimension::Two).then_some(0),
-            "a 2D shape",
-        ),
+        SlotKind::Type(TypeKind::Shape) => {
+            (matches!(value, Value::Shape(s) if s.dimension == Dimension::Three).then_some(0), "a shape")
+        }
+        SlotKind::Type(TypeKind::Shape2) => {
+            (matches!(value, Value::Shape(s) if s.dimension == Dimension::Two).then_some(0), "a 2D shape")
+        }
         SlotKind::Type(TypeKind::Material) => (
             match value {
                 Value::Material(_) => Some(0),

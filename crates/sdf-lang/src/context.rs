@@ -7,7 +7,9 @@
 //! becomes a parameter of every function between.
 
 use crate::value::{Number, Repr};
-use sdf_ir::{Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Ternary, Type, Unary};
+use sdf_ir::{
+    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Ternary, Type, Unary,
+};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -127,10 +129,7 @@ impl Contexts {
     }
 
     /// Closes the innermost function; returns it and what its caller must pass.
-    pub fn finish(
-        &mut self,
-        results: Vec<(sdf_ir::Value, Arc<str>)>,
-    ) -> (FunctionId, Vec<sdf_ir::Value>) {
+    pub fn finish(&mut self, results: Vec<(sdf_ir::Value, Arc<str>)>) -> (FunctionId, Vec<sdf_ir::Value>) {
         let context = self.stack.pop().expect("a function is open");
         self.nodes += context.builder.function().node_count();
         let function = context.builder.finish(results);
@@ -369,9 +368,11 @@ fn home(repr: &Repr) -> Option<u32> {
 /// What tells a number from others: for constants the value, else its key.
 fn identity(number: &Number) -> u64 {
     match &number.repr {
-        Repr::Static(c) => {
-            hash(&(c.ty(), c.components().iter().map(|x| x.to_bits()).collect::<Vec<_>>(), *c == Constant::Bool(true)))
-        }
+        Repr::Static(c) => hash(&(
+            c.ty(),
+            c.components().iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+            *c == Constant::Bool(true),
+        )),
         Repr::Frame(v) => hash(&("frame", v)),
         Repr::Local(..) | Repr::Outer(..) => number.key,
     }

@@ -4,7 +4,12 @@ use sdf_syntax::tree::Name;
 use sdf_syntax::{Code, Diagnostic, Span};
 
 /// What a name that nothing defines was perhaps meant to be, and what is said of it.
-pub(crate) fn unknown_name(span: Span, name: &str, foreign: Option<&str>, similar: Option<&str>) -> Diagnostic {
+pub(crate) fn unknown_name(
+    span: Span,
+    name: &str,
+    foreign: Option<&str>,
+    similar: Option<&str>,
+) -> Diagnostic {
     let d = Diagnostic::new(Code::E020, span, format!("nothing is called `{name}`")).label("not found");
     match (foreign, similar) {
         (Some(ours), _) => d.help(ours.to_string()),
@@ -27,8 +32,9 @@ pub(crate) fn defined_twice(name: &Name, first: Span) -> Diagnostic {
 }
 
 pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic {
-    let mut d = Diagnostic::new(Code::E022, span, format!("`{}` needs itself: {}", path[0], path.join(" → ")))
-        .label("to know this, it must be known");
+    let mut d =
+        Diagnostic::new(Code::E022, span, format!("`{}` needs itself: {}", path[0], path.join(" → ")))
+            .label("to know this, it must be known");
     for (name, place) in path.iter().skip(1).zip(places.iter().skip(1)) {
         if *name != path[0] {
             d = d.related(*place, format!("`{name}` is defined here"));
@@ -38,7 +44,8 @@ pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic 
 }
 
 pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}")).label(format!("expected {expected}"))
+    Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}"))
+        .label(format!("expected {expected}"))
 }
 
 pub(crate) fn operator(span: Span, op: &str, left: &str, right: &str, help: Option<&str>) -> Diagnostic {
@@ -63,7 +70,8 @@ pub(crate) fn not_callable(span: Span, found: &str) -> Diagnostic {
 
 /// No function of this name takes these arguments; `why` says what hinders the only or the nearest one.
 pub(crate) fn no_fit(span: Span, name: &str, given: &str, why: &str, signatures: &[String]) -> Diagnostic {
-    let d = Diagnostic::new(Code::E032, span, format!("`{name}` does not take {given}")).label(why.to_string());
+    let d =
+        Diagnostic::new(Code::E032, span, format!("`{name}` does not take {given}")).label(why.to_string());
     match signatures {
         [] => d,
         [one] => d.help(format!("it is called as `{one}`")),

@@ -101,11 +101,8 @@ impl<'t> Elaborator<'t> {
             ExprKind::Name(name) => self.lookup(name, env, expr.span),
             ExprKind::Tuple(items) => self.tuple(items, env, expr.span),
             ExprKind::Record(record) => {
-                let fields: Vec<_> = record
-                    .fields
-                    .iter()
-                    .map(|f| (f.name.text.clone(), self.eval(&f.value, env)))
-                    .collect();
+                let fields: Vec<_> =
+                    record.fields.iter().map(|f| (f.name.text.clone(), self.eval(&f.value, env))).collect();
                 let fields = fields.into_iter().map(|(n, v)| v.map(|v| (n, v))).collect::<Eval<_>>()?;
                 Ok(Value::record(fields))
             }
@@ -330,12 +327,18 @@ impl<'t> Elaborator<'t> {
         let shape = |s: &str| s.ends_with("shape");
         let help = match op {
             BinaryOp::Add if shape(left) && shape(right) => Some("the union of two shapes is `a | b`"),
-            BinaryOp::Add if shape(left) => Some("to make a shape thicker, use `.round(r)`; to move it, `.at(v)`"),
+            BinaryOp::Add if shape(left) => {
+                Some("to make a shape thicker, use `.round(r)`; to move it, `.at(v)`")
+            }
             BinaryOp::Subtract if shape(left) && !shape(right) => {
                 Some("to make a shape thicker, use `.round(r)`")
             }
-            BinaryOp::Multiply if shape(left) && shape(right) => Some("the intersection of two shapes is `a & b`"),
-            BinaryOp::Multiply if shape(left) || shape(right) => Some("to scale a shape, use `.scale(factor)`"),
+            BinaryOp::Multiply if shape(left) && shape(right) => {
+                Some("the intersection of two shapes is `a & b`")
+            }
+            BinaryOp::Multiply if shape(left) || shape(right) => {
+                Some("to scale a shape, use `.scale(factor)`")
+            }
             BinaryOp::And if shape(left) => Some("the intersection of two shapes is `a & b`"),
             BinaryOp::Or if shape(left) => Some("the union of two shapes is `a | b`"),
             BinaryOp::Union | BinaryOp::Intersection if !shape(left) && !shape(right) => {
@@ -491,7 +494,9 @@ impl<'t> Elaborator<'t> {
                 Ok((Value::Number(x), Value::Number(y)))
             }
             (Value::Number(_), Value::Number(_)) | (Value::Record(_), Value::Record(_)) => Ok((a, b)),
-            (Value::Shape(_), _) | (_, Value::Shape(_)) => self.report(errors::shape_depends_on_point(a_span)),
+            (Value::Shape(_), _) | (_, Value::Shape(_)) => {
+                self.report(errors::shape_depends_on_point(a_span))
+            }
             _ => self.report(errors::not_static(a_span, "which of these it is")),
         }
     }
@@ -579,7 +584,9 @@ impl<'t> Elaborator<'t> {
                     let found = value.describe();
                     let help = match n.ty {
                         Type::Float => "a float has no components".to_string(),
-                        Type::Vec2 => "its components are `.x` and `.y`, in any order and number up to 3".into(),
+                        Type::Vec2 => {
+                            "its components are `.x` and `.y`, in any order and number up to 3".into()
+                        }
                         _ => "its components are `.x .y .z` or `.r .g .b`, in any order, up to 3".into(),
                     };
                     self.report(errors::no_member(span, name, &found, Some(help)))
@@ -676,14 +683,22 @@ impl<'t> Elaborator<'t> {
         if n.ty == Type::Float && ty.is_vector() {
             return Ok(self.contexts.apply(Op::Compose, &vec![n.clone(); ty.size()]));
         }
-        self.report(errors::wrong_type(span, crate::value::describe_type(ty), crate::value::describe_type(n.ty)))
+        self.report(errors::wrong_type(
+            span,
+            crate::value::describe_type(ty),
+            crate::value::describe_type(n.ty),
+        ))
     }
 
     // ---- numbers
 
     /// A component of a vector; a float is its own.
     pub fn component(&mut self, n: &Number, index: usize) -> Number {
-        if n.ty.is_vector() { self.contexts.apply(Op::Component(index as u8), std::slice::from_ref(n)) } else { n.clone() }
+        if n.ty.is_vector() {
+            self.contexts.apply(Op::Component(index as u8), std::slice::from_ref(n))
+        } else {
+            n.clone()
+        }
     }
 
     /// An operation on one number.
@@ -791,9 +806,9 @@ fn swizzle(name: &str, ty: Type) -> Option<Vec<usize>> {
     if name.is_empty() || name.len() > 3 || !ty.is_vector() {
         return None;
     }
-    ["xyz", "rgb"].iter().find_map(|set| {
-        name.chars().map(|c| set[..ty.size()].find(c)).collect::<Option<Vec<usize>>>()
-    })
+    ["xyz", "rgb"]
+        .iter()
+        .find_map(|set| name.chars().map(|c| set[..ty.size()].find(c)).collect::<Option<Vec<usize>>>())
 }
 
 /// Marks a shape as the user's own under a name, unless it has one already.

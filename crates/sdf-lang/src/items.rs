@@ -158,7 +158,11 @@ impl<'t> Elaborator<'t> {
                 ));
             }
             (None, Constant::Vec2(_)) => {
-                return self.report(errors::wrong_type(default.span, "a float, a bool or a colour", "a vec2"));
+                return self.report(errors::wrong_type(
+                    default.span,
+                    "a float, a bool or a colour",
+                    "a vec2",
+                ));
             }
             (None, _) => None,
         };
@@ -168,7 +172,12 @@ impl<'t> Elaborator<'t> {
             let text = text.clone();
             return self.frozen(name, &text, constant, range);
         }
-        Ok(self.contexts.uniform(Uniform { name: name.text.clone(), ty: constant.ty(), role, default: constant }))
+        Ok(self.contexts.uniform(Uniform {
+            name: name.text.clone(),
+            ty: constant.ty(),
+            role,
+            default: constant,
+        }))
     }
 
     /// The value that `--set` gives a param.
@@ -181,16 +190,16 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Number> {
         let constant = match default {
             Constant::Bool(_) => text.parse().ok().map(Constant::Bool),
-            Constant::Float(_) => text
-                .parse()
-                .ok()
-                .filter(|x: &f64| (*x as f32).is_finite())
-                .map(Constant::Float),
+            Constant::Float(_) => {
+                text.parse().ok().filter(|x: &f64| (*x as f32).is_finite()).map(Constant::Float)
+            }
             _ => crate::parse_color(text).map(Constant::Vec3),
         };
         let what = match default {
             Constant::Bool(_) => "`true` or `false`".to_string(),
-            Constant::Float(_) => range.map_or("a number".into(), |(a, b)| format!("a number from {a} to {b}")),
+            Constant::Float(_) => {
+                range.map_or("a number".into(), |(a, b)| format!("a number from {a} to {b}"))
+            }
             _ => "a colour such as `#ff8800`".into(),
         };
         let fits = match (constant, range) {

@@ -4,8 +4,8 @@ use crate::builtin;
 use crate::errors;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record, Scene,
-    SettingsKind,
+    Argument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
+    Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 use std::collections::HashMap;
@@ -148,7 +148,11 @@ fn collect<'t>(files: &[&'t File], diagnostics: &mut Vec<Diagnostic>) -> Items<'
     for item in files.iter().flat_map(|f| &f.items) {
         match &item.kind {
             ItemKind::Import { .. } => {
-                diagnostics.push(errors::not_built_yet(item.span, "`import`", "put everything into one file for now"));
+                diagnostics.push(errors::not_built_yet(
+                    item.span,
+                    "`import`",
+                    "put everything into one file for now",
+                ));
             }
             ItemKind::Fn(function) => {
                 if let Some((span, is_function)) = first.get(&function.name.text)
@@ -206,9 +210,8 @@ fn add_value<'t>(
 }
 
 fn same_parameters(a: &Function, b: &Function) -> bool {
-    let kinds = |f: &Function| {
-        f.parameters.iter().map(|p| (p.ty.map(|t| t.kind), p.variadic)).collect::<Vec<_>>()
-    };
+    let kinds =
+        |f: &Function| f.parameters.iter().map(|p| (p.ty.map(|t| t.kind), p.variadic)).collect::<Vec<_>>();
     kinds(a) == kinds(b)
 }
 
@@ -296,7 +299,9 @@ impl Check<'_, '_> {
                 self.expr(base);
                 for operation in operations {
                     match &operation.kind {
-                        PostfixKind::Call(arguments) | PostfixKind::Method(_, arguments) => self.arguments(arguments),
+                        PostfixKind::Call(arguments) | PostfixKind::Method(_, arguments) => {
+                            self.arguments(arguments)
+                        }
                         PostfixKind::Index(index) => self.expr(index),
                         PostfixKind::Member(_) => {}
                     }

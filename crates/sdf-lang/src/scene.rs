@@ -16,7 +16,11 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Elaborates a file: the scene, if there is no error, and what is to be said.
-pub(crate) fn elaborate(sources: &Sources, tree: &File, options: &Options) -> (Option<Scene>, Vec<Diagnostic>) {
+pub(crate) fn elaborate(
+    sources: &Sources,
+    tree: &File,
+    options: &Options,
+) -> (Option<Scene>, Vec<Diagnostic>) {
     let library = library::library();
     let mut diagnostics = Vec::new();
     let std: Vec<&File> = library.std.iter().collect();
@@ -87,7 +91,9 @@ impl<'t> Elaborator<'t> {
         let pixel = self.pixel(Value::record(fields))?;
         let Value::Shape(map) = map else { unreachable!("a shape was named") };
         let map_id = match &map.kind {
-            ShapeKind::Named { inner, .. } => self.shape_functions.get(&Rc::as_ptr(inner).cast::<()>()).copied(),
+            ShapeKind::Named { inner, .. } => {
+                self.shape_functions.get(&Rc::as_ptr(inner).cast::<()>()).copied()
+            }
             _ => None,
         };
         Ok((map_id, pixel, summary))
@@ -101,8 +107,7 @@ impl<'t> Elaborator<'t> {
         let name: Arc<str> = Arc::from("pixel");
         self.contexts.open(&name, None);
         let coordinate = self.contexts.entry_parameter("coordinate", Type::Vec2);
-        let arguments =
-            [(Arc::from("scene"), scene), (Arc::from("coordinate"), Value::Number(coordinate))];
+        let arguments = [(Arc::from("scene"), scene), (Arc::from("coordinate"), Value::Number(coordinate))];
         let color = self
             .evaluate_body(function, Module::Runtime, &arguments)
             .and_then(|v| self.as_typed(v, Type::Vec3, function.name.span));
@@ -155,9 +160,12 @@ impl<'t> Elaborator<'t> {
     /// One entry of the scene block: a shape, or a list of shapes.
     fn scene_shape(&mut self, value: Value<'t>, span: Span) -> Eval<Vec<Rc<Shape<'t>>>> {
         match value {
-            Value::List(list) => {
-                list.items.iter().map(|v| self.scene_shape(v.clone(), span)).collect::<Eval<Vec<_>>>().map(|v| v.concat())
-            }
+            Value::List(list) => list
+                .items
+                .iter()
+                .map(|v| self.scene_shape(v.clone(), span))
+                .collect::<Eval<Vec<_>>>()
+                .map(|v| v.concat()),
             Value::Shape(s) if s.dimension == Dimension::Two => self.report(
                 errors::wrong_type(span, "a shape", "a 2D shape")
                     .help("make it solid with `.extrude(h)` or `.revolve()`"),
@@ -242,7 +250,8 @@ impl<'t> Elaborator<'t> {
                 lights.items.iter().any(|l| match l {
                     Value::Record(r) => match (r.get("casts"), r.get(name)) {
                         (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
-                            casts.known() == Some(Constant::Bool(true)) && soft.known() == Some(Constant::Bool(name == "soft"))
+                            casts.known() == Some(Constant::Bool(true))
+                                && soft.known() == Some(Constant::Bool(name == "soft"))
                         }
                         _ => false,
                     },
@@ -255,7 +264,8 @@ impl<'t> Elaborator<'t> {
             let hard = lights.items.iter().any(|l| match l {
                 Value::Record(r) => match (r.get("casts"), r.get("soft")) {
                     (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
-                        casts.known() == Some(Constant::Bool(true)) && soft.known() == Some(Constant::Bool(false))
+                        casts.known() == Some(Constant::Bool(true))
+                            && soft.known() == Some(Constant::Bool(false))
                     }
                     _ => false,
                 },

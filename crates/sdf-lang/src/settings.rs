@@ -76,7 +76,13 @@ impl<'t> Elaborator<'t> {
     }
 
     /// The value of a field as a float that is known now and lies in a range.
-    fn static_setting(&mut self, block: &Block<'t>, name: &str, default: f64, range: (f64, f64)) -> Eval<f64> {
+    fn static_setting(
+        &mut self,
+        block: &Block<'t>,
+        name: &str,
+        default: f64,
+        range: (f64, f64),
+    ) -> Eval<f64> {
         let Some(expr) = block.fields.get(name) else { return Ok(default) };
         let x = self.static_float(expr, &Env::new(Module::User), &format!("`{name}`"))?;
         if x < range.0 || x > range.1 {
@@ -140,7 +146,12 @@ impl<'t> Elaborator<'t> {
             let value = self.eval(expr, &Env::new(Module::User))?;
             let orbit = self.as_typed(value, Type::Bool, expr.span)?;
             if orbit.known() != Some(Constant::Bool(false)) {
-                self.refuse(&block, "orbit", "the orbiting camera", "move `eye` by `mouse` or `time` for now")?;
+                self.refuse(
+                    &block,
+                    "orbit",
+                    "the orbiting camera",
+                    "move `eye` by `mouse` or `time` for now",
+                )?;
             }
         }
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
@@ -198,7 +209,12 @@ impl<'t> Elaborator<'t> {
             let direction = Number::constant(Constant::Vec3([0.5, 0.7, 0.4]));
             let direction = self.unary(Unary::Normalize, &direction, Span::default())?;
             let one = Number::constant(Constant::Vec3([1.0; 3]));
-            return Ok(Value::list(vec![light_record(true, direction, one, Shadow::Soft(Number::float(8.0)))]));
+            return Ok(Value::list(vec![light_record(
+                true,
+                direction,
+                one,
+                Shadow::Soft(Number::float(8.0)),
+            )]));
         }
         let mut out = Vec::new();
         let mut failed = false;
@@ -375,7 +391,12 @@ impl<'t> Elaborator<'t> {
             self.refuse(&block, "tonemap", "tone mapping", "use `none` for now")?;
         }
         if antialias > 1.0 {
-            self.refuse(&block, "antialias", "antialiasing", "render at twice the size and scale down for now")?;
+            self.refuse(
+                &block,
+                "antialias",
+                "antialiasing",
+                "render at twice the size and scale down for now",
+            )?;
         }
         self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
         let steps = steps.round();
@@ -423,10 +444,8 @@ fn sky_function<'t>(low: &'t Expr, high: Option<&'t Expr>) -> Value<'t> {
         let high_color = e.as_typed(high_value, Type::Vec3, high.span)?;
         let up = e.component(&direction, 1);
         let up = e.binary(Binary::Max, &up, &Number::float(0.0), span)?;
-        let mixed = e.contexts.apply(
-            crate::context::Op::Ternary(sdf_ir::Ternary::Mix),
-            &[low_color, high_color, up],
-        );
+        let mixed =
+            e.contexts.apply(crate::context::Op::Ternary(sdf_ir::Ternary::Mix), &[low_color, high_color, up]);
         e.finite(mixed, span).map(Value::Number)
     }))))
 }

@@ -119,7 +119,8 @@ impl<'t> Elaborator<'t> {
         let line = self.line(place);
         self.contexts.open(name, line);
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
-        let result = self.shape_from_inside(thunk, inner).and_then(|s| self.body_of_named(&s, &inner_point, span));
+        let result =
+            self.shape_from_inside(thunk, inner).and_then(|s| self.body_of_named(&s, &inner_point, span));
         let distance = self.close_distance(result)?;
         if let (Some(key), Some(id)) = (key, self.contexts.is_call_at(&distance, point)) {
             self.shape_functions.insert(key, id);

@@ -103,7 +103,13 @@ struct Part {
 
 impl<'t> Elaborator<'t> {
     /// `surface(s, p, n)`: a record of the properties of the material at a point of the surface.
-    pub fn surface(&mut self, shape: &Rc<Shape<'t>>, point: &Number, normal: &Number, span: Span) -> Eval<Value<'t>> {
+    pub fn surface(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         if self.contexts.depth() == 0 {
             return self.report(errors::not_static(span, "whether there is a surface here"));
         }
@@ -242,14 +248,16 @@ impl<'t> Elaborator<'t> {
         let mut sums: Vec<Number> =
             self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect();
         for part in &parts {
-            let positive = self.contexts.apply(Op::Binary(Binary::Max), &[part.share.clone(), Number::float(0.0)]);
+            let positive =
+                self.contexts.apply(Op::Binary(Binary::Max), &[part.share.clone(), Number::float(0.0)]);
             match &part.mix {
                 Mix::Bare => {
                     total = self.plus(&total, &positive);
                     bare_sum = self.plus(&bare_sum, &positive);
                 }
                 Mix::Painted { columns, bare } => {
-                    let weight = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.share));
+                    let weight =
+                        self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.share));
                     for (sum, column) in sums.iter_mut().zip(columns).take(count) {
                         let weighted = self.times(column, &weight);
                         *sum = self.plus(sum, &weighted);
@@ -269,7 +277,10 @@ impl<'t> Elaborator<'t> {
         let nearest = self.nearest(&parts);
         let none = self.contexts.apply(Op::Binary(Binary::LessEqual), &[total.clone(), Number::float(0.0)]);
         let (near_columns, near_bare) = match nearest {
-            Mix::Bare => (self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect(), Number::float(1.0)),
+            Mix::Bare => (
+                self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect(),
+                Number::float(1.0),
+            ),
             Mix::Painted { columns, bare } => (columns, bare),
         };
         let columns = sums
@@ -300,8 +311,9 @@ impl<'t> Elaborator<'t> {
             best = Some(match best {
                 None => (size, columns, bare),
                 Some((best_size, best_columns, best_bare)) => {
-                    let keep =
-                        self.contexts.apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
+                    let keep = self
+                        .contexts
+                        .apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
                     let mut choose = |a: Number, b: Number| {
                         self.contexts.apply(Op::Ternary(Ternary::Select), &[keep.clone(), a, b])
                     };

@@ -233,11 +233,7 @@ pub(crate) enum Callable<'t> {
 }
 
 /// A function of the compiler that the renderer calls, such as the sky.
-pub(crate) type Native<'t> = dyn Fn(
-        &mut crate::eval::Elaborator<'t>,
-        crate::call::Given<'t>,
-        Span,
-    ) -> crate::eval::Eval<Value<'t>>
+pub(crate) type Native<'t> = dyn Fn(&mut crate::eval::Elaborator<'t>, crate::call::Given<'t>, Span) -> crate::eval::Eval<Value<'t>>
     + 't;
 
 impl std::fmt::Debug for Callable<'_> {

@@ -11,7 +11,7 @@ const PIXEL_LIMIT: u64 = 1 << 26;
 
 /// Compiles scenes (.sdf) to shaders in GLSL and WGSL, and draws them.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(version, arg_required_else_help = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "sdfc [OPTIONS] <SCENE> -o <FILE>\n       sdfc <COMMAND> [OPTIONS] …")]
 #[command(
     after_help = "Exit status: 0 done, 1 the scene is wrong, 2 the call is wrong, 3 the device failed, \
@@ -39,7 +39,7 @@ pub enum Command {
 }
 
 /// `sdfc SCENE -o FILE`
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Default, PartialEq)]
 pub struct CompileArguments {
     /// The scene; `-` reads standard input
     #[arg(required = true, value_name = "SCENE")]
@@ -80,7 +80,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
     pub device: Device,
     /// In which language a graphics device is given the shader
-    #[arg(long, value_name = "LANGUAGE", default_value = "wgsl", hide_short_help = true)]
+    #[arg(long, value_name = "LANGUAGE", default_value = "wgsl", hide = true)]
     pub shader: ShaderLanguage,
     /// Values of params.
     #[command(flatten)]
@@ -105,7 +105,7 @@ pub struct CheckArguments {
 }
 
 /// Values of params.
-#[derive(Debug, Args)]
+#[derive(Debug, Args, Default, PartialEq)]
 pub struct SetArguments {
     /// Freeze a param at a value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]

@@ -14,8 +14,9 @@ mod progress;
 mod render;
 mod terminal;
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, CompileArguments};
 use clap::Parser;
+use failure::Failure;
 use std::process::ExitCode;
 use terminal::Terminal;
 
@@ -25,16 +26,25 @@ fn main() -> ExitCode {
     bug::explain_panics();
     let arguments = Arguments::parse();
     let terminal = Terminal::new(arguments.color);
-    let done = match &arguments.command {
-        None => compile::run(&arguments.compile, &terminal),
-        Some(Command::Render(arguments)) => render::run(arguments, &terminal),
-        Some(Command::Check(arguments)) => check::run(arguments, &terminal),
-    };
-    match done {
+    match run(&arguments, &terminal) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             terminal.failure(&failure);
             failure.exit_code()
         }
+    }
+}
+
+fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
+    let Some(command) = &arguments.command else {
+        return compile::run(&arguments.compile, terminal);
+    };
+    if arguments.compile != CompileArguments::default() {
+        return Err(Failure::call("what belongs to a command stands behind it")
+            .help("for example `sdfc render scene.sdf -o scene.png`"));
+    }
+    match command {
+        Command::Render(arguments) => render::run(arguments, terminal),
+        Command::Check(arguments) => check::run(arguments, terminal),
     }
 }

@@ -16,6 +16,8 @@ use std::time::Duration;
 
 /// Lines longer than this, in bytes, are not shown: their mistakes would be lost in them.
 const LINE_LIMIT: usize = 400;
+/// Messages longer than this, in characters, are cut.
+const MESSAGE_LIMIT: usize = 1000;
 
 /// Standard error.
 pub struct Terminal {
@@ -59,24 +61,24 @@ impl Terminal {
     pub fn failure(&self, failure: &Failure) {
         match failure {
             Failure::Scene | Failure::CallTold | Failure::Bug => {}
-            Failure::Device(message) => self.error(message, Some("`--device cpu` always works")),
-            Failure::Call { message, help } => self.error(message, help.as_deref()),
+            Failure::Device(text) => self.error(text, Some("`--device cpu` always works")),
+            Failure::Call { message: text, help } => self.error(text, help.as_deref()),
         }
     }
 
-    fn error(&self, message: &str, help: Option<&str>) {
+    fn error(&self, text: &str, help: Option<&str>) {
         let help = help.map_or_else(String::new, |help| format!("  {GREEN}help{RESET}: {help}\n"));
-        self.write(format!("{RED}error{RESET}: {}\n{help}", visible(message)).as_bytes());
+        self.write(format!("{RED}error{RESET}: {}\n{help}", message(text)).as_bytes());
     }
 
     /// Says something that is worth knowing.
-    pub fn note(&self, message: &str) {
-        self.write(format!("{GREEN}note{RESET}: {}\n", visible(message)).as_bytes());
+    pub fn note(&self, text: &str) {
+        self.write(format!("{GREEN}note{RESET}: {}\n", message(text)).as_bytes());
     }
 
     /// Says how something ended.
-    pub fn summary(&self, message: &str) {
-        self.write(format!("{}\n", visible(message)).as_bytes());
+    pub fn summary(&self, text: &str) {
+        self.write(format!("{}\n", message(text)).as_bytes());
     }
 
     /// Shows how long each stage took.
@@ -106,23 +108,22 @@ fn kind(severity: Severity) -> (&'static str, ariadne::Color, &'static str) {
 fn report(diagnostic: &Diagnostic, files: &mut Files, out: &mut Vec<u8>) -> io::Result<()> {
     let (word, color, _) = kind(diagnostic.severity());
     let place = files.place(diagnostic.span);
-    let mut main = Label::new(place.clone()).with_color(color);
-    if !diagnostic.label.is_empty() {
-        main = main.with_message(visible(&diagnostic.label));
-    }
+    // A place without a text would not be marked.
+    let label = if diagnostic.label.is_empty() { "here" } else { &diagnostic.label };
+    let main = Label::new(place.clone()).with_color(color).with_message(message(label));
     let related = diagnostic.related.iter().map(|label| {
         Label::new(files.place(label.span))
-            .with_message(visible(&label.text))
+            .with_message(message(&label.text))
             .with_color(ariadne::Color::Blue)
     });
     let config = Config::default().with_index_type(IndexType::Byte).with_compact(false);
     let mut report = Report::build(ReportKind::Custom(word, color), place)
         .with_config(config)
         .with_code(diagnostic.code)
-        .with_message(visible(&diagnostic.message))
+        .with_message(message(&diagnostic.message))
         .with_labels(related.chain([main]).collect::<Vec<_>>());
     if let Some(help) = &diagnostic.help {
-        report = report.with_help(visible(help));
+        report = report.with_help(message(help));
     }
     report.finish().write(files, out)
 }
@@ -130,10 +131,10 @@ fn report(diagnostic: &Diagnostic, files: &mut Files, out: &mut Vec<u8>) -> io::
 /// A diagnostic without the source: where there is none to show, or its lines are too long.
 fn in_words(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let (word, _, color) = kind(diagnostic.severity());
-    let mut out = format!("{color}[{}] {word}{RESET}: {}\n", diagnostic.code, visible(&diagnostic.message));
+    let mut out = format!("{color}[{}] {word}{RESET}: {}\n", diagnostic.code, message(&diagnostic.message));
     let mut line = |what: &str, text: &str| {
         if !text.is_empty() {
-            out.push_str(&format!("  {what}{}\n", visible(text)));
+            out.push_str(&format!("  {what}{}\n", message(text)));
         }
     };
     let name = sources.get(diagnostic.span.file).map_or("", |source| &source.name);
@@ -141,7 +142,7 @@ fn in_words(diagnostic: &Diagnostic, sources: &Sources) -> String {
         "" => String::new(),
         label => format!(": {label}"),
     };
-    if is_nowhere(diagnostic.span) {
+    if is_nowhere(diagnostic.span, sources) {
         line("in ", &format!("{name}{label}"));
     } else {
         let at = |span: Span| {
@@ -158,8 +159,8 @@ fn in_words(diagnostic: &Diagnostic, sources: &Sources) -> String {
 }
 
 /// Whether a span stands for the file as a whole.
-fn is_nowhere(span: Span) -> bool {
-    span.end == 0
+fn is_nowhere(span: Span, sources: &Sources) -> bool {
+    span.end == 0 || sources.get(span.file).is_none_or(|source| source.text.is_empty())
 }
 
 /// The sources as the library for reports wants them.
@@ -177,7 +178,7 @@ impl<'a> Files<'a> {
     fn can_show(&self, diagnostic: &Diagnostic) -> bool {
         let related = diagnostic.related.iter().map(|label| label.span);
         let mut spans = related.chain([diagnostic.span]);
-        !is_nowhere(diagnostic.span) && spans.all(|span| self.has_short_lines(span))
+        !is_nowhere(diagnostic.span, self.sources) && spans.all(|span| self.has_short_lines(span))
     }
 
     fn has_short_lines(&self, span: Span) -> bool {
@@ -218,6 +219,14 @@ impl Cache<FileId> for &mut Files<'_> {
 
     fn display<'b>(&self, id: &'b FileId) -> Option<impl fmt::Display + 'b> {
         self.sources.get(*id).map(|source| Box::new(visible(&source.name)) as Box<dyn Display>)
+    }
+}
+
+/// A message that fits on a terminal, whatever names it quotes.
+fn message(text: &str) -> String {
+    match text.char_indices().nth(MESSAGE_LIMIT) {
+        Some((end, _)) => visible(&text[..end]) + "…",
+        None => visible(text),
     }
 }
 

@@ -24,9 +24,10 @@ pub fn on_lanes(program: &Program, function: FunctionId, columns: &[Vec<f32>]) -
     let inputs: Vec<&[f32]> = columns.iter().map(Vec::as_slice).collect();
     let mut slices: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
     Machine::<f32>::new(&tape).run(&inputs, &mut slices);
-    let bools = program.function(function).result_types().contains(&Type::Bool);
-    let word = |x: &f32| if bools { *x as u32 } else { x.to_bits() };
-    outputs.iter().map(|column| column.iter().map(word).collect()).collect()
+    let results = program.function(function).result_types();
+    let is_bool = results.iter().flat_map(|ty| vec![*ty == Type::Bool; ty.size()]);
+    let word = |x: &f32, is_bool| if is_bool { *x as u32 } else { x.to_bits() };
+    outputs.iter().zip(is_bool).map(|(column, b)| column.iter().map(|x| word(x, b)).collect()).collect()
 }
 
 /// What a compute shader in the language makes of the columns, as bits.

@@ -15,19 +15,22 @@ enum Operation {
     Ternary(Ternary),
 }
 
+/// Lists of the types of arguments.
+type Lists = &'static [&'static [Type]];
+
 /// What an operation is tried on.
 struct Case {
     /// The types of its arguments, each list a case of its own.
-    types: &'static [&'static [Type]],
+    types: Lists,
     /// The numbers that it takes.
     number: fn(u64) -> f32,
 }
 
 const ANY: fn(u64) -> f32 = number;
-const FLOAT: &[&[Type]] = &[&[Type::Float], &[Type::Vec2], &[Type::Vec3]];
-const VECTOR: &[&[Type]] = &[&[Type::Vec2], &[Type::Vec3]];
-const PAIR: &[&[Type]] = &[&[Type::Float; 2], &[Type::Vec2; 2], &[Type::Vec3; 2]];
-const MIXED: &[&[Type]] = &[
+const FLOAT: Lists = &[&[Type::Float], &[Type::Vec2], &[Type::Vec3]];
+const VECTOR: Lists = &[&[Type::Vec2], &[Type::Vec3]];
+const PAIR: Lists = &[&[Type::Float; 2], &[Type::Vec2; 2], &[Type::Vec3; 2]];
+const MIXED: Lists = &[
     &[Type::Float; 2],
     &[Type::Vec2; 2],
     &[Type::Vec3; 2],
@@ -37,7 +40,7 @@ const MIXED: &[&[Type]] = &[
 
 /// How each operation is tried; `None` for those that legalising replaces. A new one has to be put somewhere.
 fn case(operation: Operation) -> Option<Case> {
-    let (types, number): (&'static [&'static [Type]], fn(u64) -> f32) = match operation {
+    let (types, number): (Lists, fn(u64) -> f32) = match operation {
         Operation::Unary(op) => match op {
             Unary::Negate | Unary::Abs | Unary::Sign | Unary::Floor | Unary::Ceil | Unary::Round => {
                 (FLOAT, ANY)

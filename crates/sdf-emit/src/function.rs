@@ -9,8 +9,10 @@ use crate::plan::{Part, Plan, parts};
 use crate::symbols::Symbols;
 use sdf_ir::program::Loop;
 use sdf_ir::{Binary, Function, FunctionId, List, Node, Program, RegionId, Ternary, Type, Unary, Value};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::fmt::Write;
+use std::rc::Rc;
 
 /// What every function of a shader is printed with.
 pub(crate) struct Context<'a> {
@@ -35,11 +37,15 @@ impl Context<'_> {
             variables: HashMap::new(),
             arguments: HashMap::new(),
             source_names: argument_names(function),
+            id,
             out: String::new(),
+            parts: Vec::new(),
+            part_count: Rc::default(),
             indent: 0,
         };
         printer.function(id)?;
-        Ok(printer.out)
+        printer.parts.push(printer.out);
+        Ok(printer.parts.join("\n"))
     }
 }
 
@@ -50,26 +56,33 @@ fn argument_names(function: &Function) -> HashMap<Node, String> {
     named.filter(|(node, _)| matches!(node, Node::Argument(..) | Node::Result(..))).collect()
 }
 
-struct Printer<'a> {
-    context: &'a Context<'a>,
-    function: &'a Function,
-    plan: &'a Plan,
-    scope: Names,
+/// Prints one function, or a part of a long one.
+pub(crate) struct Printer<'a> {
+    pub context: &'a Context<'a>,
+    pub id: FunctionId,
+    pub function: &'a Function,
+    pub plan: &'a Plan,
+    pub scope: Names,
     /// The names of values.
-    names: HashMap<Value, String>,
+    pub names: HashMap<Value, String>,
     /// The variables that an `If` or a `Loop` leaves its results in.
-    variables: HashMap<Value, Vec<String>>,
+    pub variables: HashMap<Value, Vec<String>>,
     /// How arguments of regions are written.
-    arguments: HashMap<(RegionId, u16), Expression>,
+    pub arguments: HashMap<(RegionId, u16), Expression>,
     source_names: HashMap<Node, String>,
-    out: String,
-    indent: usize,
+    /// The function's text so far.
+    pub out: String,
+    /// The functions that were cut out of it.
+    pub parts: Vec<String>,
+    /// How many functions were cut out of the whole one so far.
+    pub part_count: Rc<Cell<usize>>,
+    pub indent: usize,
 }
 
 // ---- statements
 
-impl Printer<'_> {
-    fn line(&mut self, text: &str) {
+impl<'a> Printer<'a> {
+    pub fn line(&mut self, text: &str) {
         let indent = 4 * self.indent;
         writeln!(self.out, "{:indent$}{text}", "").expect("writing to a string cannot fail");
     }
@@ -123,17 +136,32 @@ impl Printer<'_> {
         Ok(())
     }
 
+    /// A printer for a part of this function, which knows the same values.
+    pub fn part_printer(&self) -> Printer<'a> {
+        Printer {
+            context: self.context,
+            id: self.id,
+            function: self.function,
+            plan: self.plan,
+            scope: self.context.symbols.taken.clone(),
+            names: self.names.clone(),
+            variables: self.variables.clone(),
+            arguments: self.arguments.clone(),
+            source_names: self.source_names.clone(),
+            out: String::new(),
+            parts: Vec::new(),
+            part_count: self.part_count.clone(),
+            indent: 0,
+        }
+    }
+
     /// Prints what a region computes, and returns what it yields.
     fn region(&mut self, region: RegionId) -> Result<Vec<Expression>, EmitError> {
-        for v in self.plan.order(region) {
-            if self.plan.is_named(*v) {
-                self.statement(*v)?;
-            }
-        }
+        self.statements(region)?;
         self.function.region(region).results.iter().map(|v| self.use_of(*v)).collect()
     }
 
-    fn statement(&mut self, v: Value) -> Result<(), EmitError> {
+    pub fn statement(&mut self, v: Value) -> Result<(), EmitError> {
         match self.function.node(v) {
             Node::If(condition, then, otherwise) => self.branch(v, condition, then, otherwise),
             Node::Loop(l) => self.repeat(v, l),
@@ -141,11 +169,7 @@ impl Printer<'_> {
                 let value = self.expression(v)?;
                 let name = self.function.name_of(v).map_or("", |name| name);
                 let name = self.scope.give(name, fallback(self.function.type_of(v)));
-                let ty = match (self.function.node(v), self.function.type_of(v)) {
-                    (_, Some(ty)) => self.context.dialect.ty(ty),
-                    (Node::Call(callee, _), None) => self.structure(callee).0,
-                    (node, None) => unreachable!("{node:?} yields no tuple"),
-                };
+                let ty = self.type_of_named(v);
                 self.line(&(self.context.dialect.bind)(ty, &name, &value.text));
                 self.names.insert(v, name);
                 Ok(())
@@ -299,7 +323,7 @@ impl Printer<'_> {
 }
 
 /// What a value without a name is called.
-fn fallback(ty: Option<Type>) -> &'static str {
+pub(crate) fn fallback(ty: Option<Type>) -> &'static str {
     match ty {
         Some(Type::Bool) => "c",
         Some(Type::Float) => "f",
@@ -310,12 +334,21 @@ fn fallback(ty: Option<Type>) -> &'static str {
 
 // ---- expressions
 
-impl Printer<'_> {
+impl<'a> Printer<'a> {
     fn type_of(&self, v: Value) -> Type {
         self.function.type_of(v).expect("a value that is used is no tuple")
     }
 
-    fn structure(&self, callee: FunctionId) -> (&str, &[String]) {
+    /// The name of a value's type, a structure's for a call with several results.
+    pub fn type_of_named(&self, v: Value) -> &'a str {
+        match (self.function.node(v), self.function.type_of(v)) {
+            (_, Some(ty)) => self.context.dialect.ty(ty),
+            (Node::Call(callee, _), None) => self.structure(callee).0,
+            (node, None) => unreachable!("{node:?} has no name"),
+        }
+    }
+
+    fn structure(&self, callee: FunctionId) -> (&'a str, &'a [String]) {
         let structure = self.context.symbols.structures[callee.0 as usize].as_ref();
         let structure = structure.expect("a function with several results");
         (&structure.name, &structure.fields)

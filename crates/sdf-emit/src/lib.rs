@@ -13,6 +13,7 @@ mod kernel;
 mod layout;
 mod names;
 mod plan;
+mod split;
 mod symbols;
 mod validate;
 mod wrapper;

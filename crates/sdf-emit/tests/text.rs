@@ -239,3 +239,66 @@ fn long_chains_and_deep_nests_are_cut() {
         }
     }
 }
+
+/// How many lines the longest function has.
+fn longest_function(text: &str) -> usize {
+    text.split("\n}").map(|function| function.lines().count()).max().unwrap_or(0)
+}
+
+/// A union of many calls, and one inside a loop inside an `if`, which needs values from everywhere.
+fn long_program(terms: usize) -> Program {
+    let mut program = Program::default();
+    let ball = {
+        let mut b = Builder::new("ball", vec![parameter("p", Type::Vec2), parameter("r", Type::Float)]);
+        let [p, r] = [0, 1].map(|i| b.argument(RegionId::ROOT, i));
+        let (length, square) = (b.unary(Unary::Length, p), b.mul(r, r));
+        let d = b.sub(length, r);
+        program.add(b.finish(vec![(d, "d".into()), (square, "square".into())]))
+    };
+    let union = |b: &mut Builder, p: Value, first: Value, from: usize| {
+        (from..from + terms).fold(first, |least, i| {
+            let centre = b.constant(Constant::Vec2([i as f64, -(i as f64) * 0.5]));
+            let (at, radius) = (b.sub(p, centre), b.float(0.25 + 0.001 * i as f64));
+            let parts = b.call(ball, &[Type::Float, Type::Float], &[at, radius]);
+            let d = b.mul(parts[0], parts[1]);
+            b.min(least, d)
+        })
+    };
+    let mut b = Builder::new("pixel", vec![parameter("coordinate", Type::Vec2)]);
+    let p = b.argument(RegionId::ROOT, 0);
+    let far = b.float(1e9);
+    let first = union(&mut b, p, far, 0);
+    let x = b.component(p, 0);
+    let left = b.binary(Binary::Less, x, first);
+    let then = b.open_region(&[]);
+    let until = b.open_region(&[Type::Float, Type::Vec2]);
+    let never = b.bool(false);
+    b.close_region(vec![never]);
+    let next = b.open_region(&[Type::Float, Type::Float, Type::Vec2]);
+    let [round, sum, q] = [0, 1, 2].map(|i| b.argument(next, i));
+    let moved = b.add(q, round);
+    let inner = union(&mut b, moved, first, 1000);
+    let inner = b.add(inner, sum);
+    b.close_region(vec![inner, moved]);
+    let state = b.repeat(3, &[x, p], until, next);
+    let y = b.component(state[1], 1);
+    let both = b.add(state[0], y);
+    b.close_region(vec![both]);
+    let otherwise = b.open_region(&[]);
+    let other = union(&mut b, p, x, 2000);
+    b.close_region(vec![other]);
+    let chosen = b.branch(left, then, otherwise)[0];
+    let color = b.compose(&[chosen, first, x]);
+    program.entry = Some(program.add(b.finish(vec![(color, "color".into())])));
+    program
+}
+
+#[test]
+fn long_functions_are_cut() {
+    for target in Target::ALL {
+        let text = emit(&long_program(3000), target, &Header::default()).unwrap_or_else(|e| panic!("{e}"));
+        // 512 statements, and the lines of declarations and braces among them.
+        let longest = longest_function(&text);
+        assert!((100..620).contains(&longest), "{longest} lines in {target:?}");
+    }
+}

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A function under construction.
+#[derive(Clone)]
 pub struct Builder {
     function: Function,
     leaves: HashMap<Node, Value>,

@@ -260,9 +260,9 @@ fn nested_branches() -> Program {
     })
 }
 
-/// Up to 40 rounds of `(x, y, z) → (y + i, z, y)`, which passes parts of the state round, with a branch inside and
+/// Up to `count` rounds of `(x, y, z) → (y + i, z, y)`, which passes parts of the state round, with a branch inside and
 /// another loop in that; ends where x exceeds a limit that differs from lane to lane.
-fn nested_loops() -> Program {
+fn nested_loops(count: u32) -> Program {
     single(&[Type::Float, Type::Float], |b, v| {
         let limit = b.mul(v[1], v[1]);
         let z = b.mul(v[0], v[1]);
@@ -292,7 +292,7 @@ fn nested_loops() -> Program {
         let added = b.branch(odd, then, otherwise)[0];
         let sum = b.add(y1, added);
         b.close_region(vec![sum, z1, y1]);
-        let mut results = b.repeat(40, &[x, y, z], until, next);
+        let mut results = b.repeat(count, &[x, y, z], until, next);
         results.push(limit);
         results
     })
@@ -359,14 +359,16 @@ fn calls_and_globals() -> Program {
 fn lanes_that_part_and_meet() {
     for points in [0, 1, 31, 32, 33, 255, 256, 257, 600] {
         check("branches", &nested_branches(), points);
-        check("loops", &nested_loops(), points);
+        for count in [1, 3, 6, 9, 40] {
+            check("loops", &nested_loops(count), points);
+        }
         check("calls", &calls_and_globals(), points);
     }
 }
 
 #[test]
 fn all_cores_say_what_one_says_and_count_the_same() {
-    let program = nested_loops();
+    let program = nested_loops(40);
     let tape = Tape::compile(&program, program.entry.unwrap());
     let points = 40_000;
     let inputs = columns::<f32>(&[Type::Float, Type::Float], points);

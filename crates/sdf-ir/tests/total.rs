@@ -5,10 +5,11 @@ use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::number::Number;
 use sdf_ir::total::{is_basic, legalise};
 use sdf_ir::{
-    Binary, Builder, Constant, Function, Node, Parameter, Program, RegionId, Type, Unary, Value, verify,
+    Binary, Builder, Constant, Function, Node, Parameter, Program, RegionId, Type, Unary, Value, rebuild,
+    verify,
 };
 
-fn float(name: &str, ty: Type, point: bool) -> Parameter {
+fn parameter(name: &str, ty: Type, point: bool) -> Parameter {
     Parameter { name: name.into(), ty, point }
 }
 
@@ -119,7 +120,7 @@ fn measure(
 }
 
 fn check_unary(op: Unary, lo: f64, hi: f64, bound: Error) {
-    let program = program(vec![float("x", Type::Float, false)], |b, v| b.unary(op, v[0]));
+    let program = program(vec![parameter("x", Type::Float, false)], |b, v| b.unary(op, v[0]));
     let all = all_sizes();
     assert!(all.len() >= 1 << 16);
     for (x, y) in all.iter().zip(&run(&program, &[&all])[0]) {
@@ -156,7 +157,7 @@ fn functions_of_one_number() {
 #[test]
 fn ends_of_functions_of_one_number() {
     let at = |op: Unary, x: f32| {
-        let program = program(vec![float("x", Type::Float, false)], |b, v| b.unary(op, v[0]));
+        let program = program(vec![parameter("x", Type::Float, false)], |b, v| b.unary(op, v[0]));
         run(&program, &[&[x]])[0][0]
     };
     for op in [Unary::Exp, Unary::Exp2] {
@@ -176,7 +177,7 @@ fn ends_of_functions_of_one_number() {
 }
 
 fn check_binary(op: Binary, pairs: &[(f32, f32)], bound: Error, accurate: impl Fn(f32, f32) -> bool) {
-    let parameters = vec![float("x", Type::Float, false), float("y", Type::Float, false)];
+    let parameters = vec![parameter("x", Type::Float, false), parameter("y", Type::Float, false)];
     let program = program(parameters, |b, v| b.binary(op, v[0], v[1]));
     let (x, y): (Vec<f32>, Vec<f32>) = pairs.iter().copied().unzip();
     let z = &run(&program, &[&x, &y])[0];
@@ -230,7 +231,7 @@ fn functions_of_two_numbers() {
 #[test]
 fn ends_of_functions_of_two_numbers() {
     let at = |op: Binary, x: f32, y: f32| {
-        let parameters = vec![float("x", Type::Float, false), float("y", Type::Float, false)];
+        let parameters = vec![parameter("x", Type::Float, false), parameter("y", Type::Float, false)];
         run(&program(parameters, |b, v| b.binary(op, v[0], v[1])), &[&[x], &[y]])[0][0]
     };
     assert_eq!(at(Binary::Divide, 0.0, 0.0), 0.0);
@@ -266,7 +267,7 @@ fn vectors_of_all_sizes() {
             let vector = |i: usize| columns[..n].iter().map(|c| f64::from(c[i])).collect::<Vec<f64>>();
             let normal = |i: &usize| columns[..n].iter().all(|c| !is_denormal(c[*i]));
             let fit: Vec<usize> = (0..sizes.len()).filter(normal).collect();
-            let length = program(vec![float("v", ty, false)], |b, v| b.unary(Unary::Length, v[0]));
+            let length = program(vec![parameter("v", ty, false)], |b, v| b.unary(Unary::Length, v[0]));
             let got = &run(&length, &inputs)[0];
             assert!(got.iter().all(|x| x.is_finite()));
             let fitting: Vec<f32> = fit.iter().map(|i| got[*i]).collect();
@@ -277,7 +278,7 @@ fn vectors_of_all_sizes() {
                 &fitting,
                 &|i| f64::length(&vector(fit[i])),
             );
-            let normalize = program(vec![float("v", ty, false)], |b, v| b.unary(Unary::Normalize, v[0]));
+            let normalize = program(vec![parameter("v", ty, false)], |b, v| b.unary(Unary::Normalize, v[0]));
             let got = run(&normalize, &inputs);
             assert!(got.iter().flatten().all(|x| x.is_finite()));
             for (k, got) in got.iter().enumerate() {
@@ -302,9 +303,14 @@ fn helpers(program: &Program) -> usize {
     legalise(program).functions.len() - program.functions.len()
 }
 
+/// A legal program has no nodes that nothing reads; otherwise this one must be as it was.
+fn assert_unchanged(program: &Program) {
+    assert_eq!(legalise(program).functions, [rebuild(&program.functions[0])]);
+}
+
 #[test]
 fn guards_only_where_they_are_needed() {
-    let point = || vec![float("p", Type::Vec3, true)];
+    let point = || vec![parameter("p", Type::Vec3, true)];
     let sphere = program(point(), |b, v| {
         let center = b.constant(Constant::Vec3([1.0, 2.0, 3.0]));
         let moved = b.sub(v[0], center);
@@ -312,12 +318,12 @@ fn guards_only_where_they_are_needed() {
         let one = b.float(1.0);
         b.sub(length, one)
     });
-    assert_eq!(legalise(&sphere), sphere);
-    let any = || vec![float("x", Type::Float, false)];
+    assert_unchanged(&sphere);
+    let any = || vec![parameter("x", Type::Float, false)];
     let unguarded = [
         program(any(), |b, v| {
-            let two = b.float(2.0);
-            b.div(v[0], two)
+            let three = b.float(3.0);
+            b.div(v[0], three)
         }),
         program(any(), |b, v| {
             let square = b.mul(v[0], v[0]);
@@ -333,13 +339,18 @@ fn guards_only_where_they_are_needed() {
             b.div(v[0], below)
         }),
     ];
-    for program in unguarded {
-        assert_eq!(legalise(&program), program);
+    for program in &unguarded {
+        assert_unchanged(program);
     }
     let guarded = [
         program(any(), |b, v| b.div(v[0], v[0])),
-        program(vec![float("v", Type::Vec3, false)], |b, v| b.unary(Unary::Length, v[0])),
+        program(vec![parameter("v", Type::Vec3, false)], |b, v| b.unary(Unary::Length, v[0])),
         program(point(), |b, v| b.unary(Unary::Normalize, v[0])),
+        program(point(), |b, v| {
+            let factor = b.float(1e15);
+            let far = b.mul(v[0], factor);
+            b.unary(Unary::Length, far)
+        }),
     ];
     for program in guarded {
         assert_eq!(helpers(&program), 1);
@@ -349,27 +360,37 @@ fn guards_only_where_they_are_needed() {
     assert_eq!(nodes(&legal.functions[0]).len(), 2, "a maximum and a root");
 }
 
-#[test]
-fn what_callers_pass_is_known() {
+/// The smaller of `length(p / s)` for two divisors, by two calls.
+fn two_calls(divisors: [f64; 2]) -> Program {
     let mut program = Program::default();
-    let mut b = Builder::new("scaled", vec![float("p", Type::Vec3, false), float("s", Type::Float, false)]);
+    let mut b =
+        Builder::new("scaled", vec![parameter("p", Type::Vec3, false), parameter("s", Type::Float, false)]);
     let (p, s) = (b.argument(RegionId::ROOT, 0), b.argument(RegionId::ROOT, 1));
     let small = b.div(p, s);
     let length = b.unary(Unary::Length, small);
     let scaled = program.add(b.finish(vec![(length, "".into())]));
-    let mut b = Builder::new("entry", vec![float("p", Type::Vec3, true)]);
+    let mut b = Builder::new("entry", vec![parameter("p", Type::Vec3, true)]);
     let p = b.argument(RegionId::ROOT, 0);
-    let (two, three) = (b.float(2.0), b.float(3.0));
-    let first = b.call(scaled, &[Type::Float], &[p, two])[0];
-    let second = b.call(scaled, &[Type::Float], &[p, three])[0];
+    let [first, second] = divisors.map(|divisor| {
+        let divisor = b.float(divisor);
+        b.call(scaled, &[Type::Float], &[p, divisor])[0]
+    });
     let least = b.min(first, second);
     program.entry = Some(program.add(b.finish(vec![(least, "".into())])));
-    assert_eq!(helpers(&program), 0);
+    program
+}
+
+#[test]
+fn what_all_callers_pass_is_known() {
+    assert_eq!(helpers(&two_calls([2.0, 3.0])), 0);
+    // A divisor of 0 from either: both the quotient and the length are guarded.
+    assert_eq!(helpers(&two_calls([2.0, 0.0])), 2);
+    assert_eq!(helpers(&two_calls([0.0, 2.0])), 2);
 }
 
 #[test]
 fn helpers_are_added_once_and_sine_and_cosine_share_one() {
-    let program = program(vec![float("v", Type::Vec3, false)], |b, v| {
+    let program = program(vec![parameter("v", Type::Vec3, false)], |b, v| {
         let (sine, cosine) = (b.unary(Unary::Sin, v[0]), b.unary(Unary::Cos, v[0]));
         let tangent = b.unary(Unary::Tan, v[0]);
         let sum = b.add(sine, cosine);

@@ -352,7 +352,9 @@ impl<'t> Elaborator<'t> {
         module: Module,
         arguments: &[(Arc<str>, Value<'t>)],
     ) -> bool {
-        outline::stays_a_function(function, module)
+        // A formula whose shares are being found must be seen whole.
+        self.samples.is_none()
+            && outline::stays_a_function(function, module)
             && !self.not_outlined.contains(&std::ptr::from_ref(function))
             && arguments.iter().any(|(_, v)| outline::has_local_number(v))
     }

@@ -206,21 +206,21 @@ impl Contexts {
         self.call_of(number, point).filter(|(_, arguments)| arguments.len() == 1).map(|(id, _)| id)
     }
 
-    /// Finishes the frame and with it the program.
-    pub fn into_program(mut self) -> Program {
-        assert_eq!(self.stack.len(), 1, "a function is still open");
-        let frame = self.stack.pop().expect("the frame").builder;
+    /// The program so far, with a frame that computes the globals so far.
+    pub fn snapshot(&self) -> Program {
+        let mut program = self.program.clone();
         if !self.global_values.is_empty() {
-            let results: Vec<_> = self
-                .global_values
-                .iter()
-                .zip(&self.program.globals)
-                .map(|(v, g)| (*v, g.name.clone()))
-                .collect();
-            let id = self.program.add(frame.finish(results));
-            self.program.frame = Some(id);
+            let results = self.global_values.iter().zip(&program.globals).map(|(v, g)| (*v, g.name.clone()));
+            let frame = self.stack[0].builder.clone().finish(results.collect());
+            program.frame = Some(program.add(frame));
         }
-        self.program
+        program
+    }
+
+    /// The whole program. Every function must be closed.
+    pub fn into_program(self) -> Program {
+        assert_eq!(self.stack.len(), 1, "a function is still open");
+        self.snapshot()
     }
 
     // ---- numbers

@@ -147,6 +147,16 @@ pub(crate) fn not_a_distance(span: Span, found: &str) -> Diagnostic {
         .label("expected the distance to the surface")
 }
 
+pub(crate) fn no_shares(span: Span) -> Diagnostic {
+    Diagnostic::new(
+        Code::E064,
+        span,
+        "mixing the materials of a field that samples shapes in a loop or branch",
+    )
+    .label("a painted shape is sampled inside `iterate` or an `if`")
+    .help("paint the whole field instead")
+}
+
 pub(crate) fn no_scene(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E060, span, "there is no scene in this file")
         .help("add one, for example `scene { sphere(1) }`")

@@ -51,8 +51,8 @@ pub(crate) fn elaborate(
         let mut program = contexts.into_program();
         program.entry = Some(pixel);
         let roots: Vec<_> = map_id.into_iter().collect();
-        let (program, kept) = sdf_ir::simplify::simplify(&program, &roots);
-        debug_assert_eq!(sdf_ir::verify::verify(&program), Ok(()));
+        let (program, kept) = sdf_ir::simplify(&program, &roots);
+        debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
         Scene { map: kept.first().copied(), program, summary }
     });
     (scene, diagnostics)

@@ -114,6 +114,28 @@ impl<'t> Elaborator<'t> {
             return self.report(errors::not_static(span, "whether there is a surface here"));
         }
         self.find_columns(shape, point, normal, span)?;
+        let name: Arc<str> = Arc::from("surface");
+        self.contexts.open(&name, None);
+        let p = self.contexts.parameter(&Arc::from("p"), point, true);
+        let n = self.contexts.parameter(&Arc::from("n"), normal, false);
+        let found = self.surface_record(shape, &p, &n, span).and_then(|record| self.flatten(&record, span));
+        match found {
+            Ok((record, numbers)) => Ok(self.close_with(&name, &record, numbers)),
+            Err(reported) => {
+                self.contexts.discard();
+                Err(reported)
+            }
+        }
+    }
+
+    /// The record of the properties in use, the others being their defaults.
+    fn surface_record(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Value<'t>> {
         let mix = self.mix(shape, point, normal, span)?;
         let bare_weight = match &mix {
             Mix::Bare => Number::float(1.0),
@@ -210,6 +232,10 @@ impl<'t> Elaborator<'t> {
         if let [only] = &samples[..] {
             self.contexts.discard();
             return self.mix(&only.shape, &only.point, normal, span);
+        }
+        if !is_straight(self.contexts.builder()) {
+            self.contexts.discard();
+            return self.report(errors::no_shares(span));
         }
         let stand_ins: Vec<_> = samples.iter().map(|s| s.stand_in).collect();
         let builder = self.contexts.builder();
@@ -465,6 +491,16 @@ impl<'t> Elaborator<'t> {
 
 fn zero_of(c: Constant) -> Constant {
     Constant::from_components(&vec![0.0; c.ty().size()])
+}
+
+/// Whether a formula has no branches, loops or calls in it.
+fn is_straight(builder: &Builder) -> bool {
+    let function = builder.function();
+    function
+        .root()
+        .body
+        .iter()
+        .all(|v| !matches!(function.node(*v), Node::Call(..) | Node::If(..) | Node::Loop(_)))
 }
 
 fn is_zero(builder: &Builder, v: sdf_ir::Value) -> bool {

@@ -58,6 +58,57 @@ pub(super) fn select(b: &mut Builder, c: Value, x: Value, y: Value) -> Option<Va
     }
 }
 
+/// `op(a)` of a choice of constants.
+pub(super) fn unary_of_choice(b: &mut Builder, op: Unary, a: Value) -> Option<Value> {
+    let Node::Ternary(Ternary::Select, c, x, y) = b.node(a) else { return None };
+    // op(c ? k1 : k2) == c ? op(k1) : op(k2)
+    (chooses_constants(b, x, CHOICES) && chooses_constants(b, y, CHOICES)).then(|| {
+        let (x, y) = (b.unary(op, x), b.unary(op, y));
+        b.select(c, x, y)
+    })
+}
+
+/// `op(x, y)` of choices.
+pub(super) fn binary_of_choices(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
+    match (b.node(x), b.node(y)) {
+        (Node::Ternary(Ternary::Select, c, x1, x2), Node::Ternary(Ternary::Select, again, y1, y2))
+            if c == again =>
+        {
+            // (c ? x1 : x2) + (c ? y1 : y2) == c ? x1 + y1 : x2 + y2, where both sums are simpler than that
+            let folds = |b: &Builder, x, y| {
+                let constants = chooses_constants(b, x, CHOICES) && chooses_constants(b, y, CHOICES);
+                constants
+                    || (op == Binary::Add && (super::is_number(b, x, 0.0) || super::is_number(b, y, 0.0)))
+            };
+            (folds(b, x1, y1) && folds(b, x2, y2)).then(|| {
+                let (first, second) = (b.binary(op, x1, y1), b.binary(op, x2, y2));
+                b.select(c, first, second)
+            })
+        }
+        // op(c ? k1 : k2, k) == c ? op(k1, k) : op(k2, k)
+        (Node::Ternary(Ternary::Select, c, x1, x2), _) if b.constant_of(y).is_some() => {
+            (chooses_constants(b, x1, CHOICES) && chooses_constants(b, x2, CHOICES)).then(|| {
+                let (first, second) = (b.binary(op, x1, y), b.binary(op, x2, y));
+                b.select(c, first, second)
+            })
+        }
+        _ => None,
+    }
+}
+
+/// How deep choices among constants are looked into.
+const CHOICES: u32 = 6;
+
+/// Whether a value is a constant, or a choice among constants.
+fn chooses_constants(b: &Builder, v: Value, depth: u32) -> bool {
+    match b.node(v) {
+        Node::Ternary(Ternary::Select, _, x, y) if depth > 0 => {
+            chooses_constants(b, x, depth - 1) && chooses_constants(b, y, depth - 1)
+        }
+        _ => b.constant_of(v).is_some(),
+    }
+}
+
 /// `min(x, y)` or `max(x, y)`; the comments are about `min`.
 pub(super) fn extremum(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
     // min(x, x) == x

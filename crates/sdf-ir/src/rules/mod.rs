@@ -20,6 +20,9 @@ pub(crate) fn unary(b: &mut Builder, op: Unary, a: Value) -> Option<Value> {
     if let Some(c) = b.constant_of(a) {
         return fold(b, Constant::unary(op, c));
     }
+    if let Some(chosen) = choice::unary_of_choice(b, op, a) {
+        return Some(chosen);
+    }
     match op {
         Unary::Negate => negated(b, a),
         Unary::Not => choice::not(b, a),
@@ -34,6 +37,9 @@ pub(crate) fn unary(b: &mut Builder, op: Unary, a: Value) -> Option<Value> {
 pub(crate) fn binary(b: &mut Builder, op: Binary, x: Value, y: Value) -> Option<Value> {
     if let (Some(x), Some(y)) = (b.constant_of(x), b.constant_of(y)) {
         return fold(b, Constant::binary(op, x, y));
+    }
+    if let Some(chosen) = choice::binary_of_choices(b, op, x, y) {
+        return Some(chosen);
     }
     match op {
         Binary::Add | Binary::Subtract | Binary::Multiply | Binary::Divide => {

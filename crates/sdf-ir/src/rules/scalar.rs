@@ -14,6 +14,15 @@ pub(super) fn add(b: &mut Builder, x: Value, y: Value) -> Option<Value> {
     if is_number(b, x, 0.0) {
         return Some(b.splat(y, ty));
     }
+    // x + (y - x) == y, (y - x) + x == y: where y is constant, since then nothing is lost but rounding
+    for (sum, difference) in [(x, y), (y, x)] {
+        if let Node::Binary(Binary::Subtract, k, again) = b.node(difference)
+            && again == sum
+            && b.constant_of(k).is_some()
+        {
+            return Some(k);
+        }
+    }
     // x + (-y) == x - y
     if let Node::Unary(Unary::Negate, y) = b.node(y) {
         return Some(b.sub(x, y));

@@ -199,9 +199,9 @@ impl<'t> Elaborator<'t> {
         match fit(&mut self.contexts, &slot, &given) {
             Ok(fit) => match fit.arguments.into_iter().next().flatten() {
                 Some(Value::Number(n)) => self.widen_row(n, ty, span),
-                _ => self.report(errors::no_fit(span, "a shape", &given.describe(), "", &[signature])),
+                _ => self.report(errors::no_fit(span, "shape", &given.describe(), "", &[signature])),
             },
-            Err(why) => self.report(errors::no_fit(span, "a shape", &given.describe(), &why, &[signature])),
+            Err(why) => self.report(errors::no_fit(span, "shape", &given.describe(), &why, &[signature])),
         }
     }
 

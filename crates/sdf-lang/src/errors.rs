@@ -199,3 +199,33 @@ pub(crate) fn not_built_yet(span: Span, what: &str, instead: &str) -> Diagnostic
 pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(Code::E065, span, message).help(help)
 }
+
+/// What the author of a function or value requires does not hold.
+pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
+    Diagnostic::new(Code::E043, span, message).label("refused here").related(stated, "required here")
+}
+
+pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E020, name.span, format!("there is no attribute `@{}`", name.text));
+    match similar {
+        Some(s) => d.label("not found").help(format!("did you mean `@{s}`?")),
+        None => d.label("not found").help(format!("the attributes are @{}", all.join(", @"))),
+    }
+}
+
+pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E063, span, "an attribute stands before a `fn` or a `let`")
+        .label("before something else")
+        .help("remove it")
+}
+
+pub(crate) fn wrong_requirement(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, "`@requires` takes a condition and a message")
+        .help("write for example `@requires(r > 0, \"the radius must be positive\")`")
+}
+
+pub(crate) fn promise_not_built_yet(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E064, span, format!("the promise `@{name}` is not built yet"))
+        .label("nothing uses what this promises so far")
+        .help("leave it out for now")
+}

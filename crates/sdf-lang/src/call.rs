@@ -345,7 +345,12 @@ impl<'t> Elaborator<'t> {
         for (name, value) in arguments {
             env = env.bind(name.clone(), value.clone());
         }
-        self.origins.push(Origin { name: function.name.text.clone(), module, span: function.name.span });
+        self.origins.push(Origin {
+            name: function.name.text.clone(),
+            module,
+            span: function.name.span,
+            function: std::ptr::from_ref(function).cast(),
+        });
         let result = self.eval(&function.body, &env);
         self.origins.pop();
         result

@@ -213,6 +213,11 @@ pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]
     }
 }
 
+pub(crate) fn wrong_slope(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, "`@lipschitz` takes one number")
+        .help("state the largest slope of the field, for example `@lipschitz(2)`")
+}
+
 pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E063, span, "an attribute stands before a `fn` or a `let`")
         .label("before something else")

@@ -202,9 +202,11 @@ impl<'t> Elaborator<'t> {
 
     fn field(&mut self, dimension: Dimension, block: &'t Block, env: &Env<'t>) -> Value<'t> {
         let origin = self.origins.last().cloned();
-        let painted = env.traits().painted;
+        let traits = env.traits();
+        let own = origin.as_ref().and_then(|o| self.names.module(o.module).slopes.get(&o.function));
         let kind = ShapeKind::Field { block, env: env.clone(), origin };
-        Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+        let steep = traits.steep || own.is_some();
+        Value::Shape(Rc::new(Shape { dimension, kind, painted: traits.painted, steep }))
     }
 
     fn tuple(&mut self, items: &'t [Expr], env: &Env<'t>, span: Span) -> Eval<Value<'t>> {
@@ -474,9 +476,9 @@ impl<'t> Elaborator<'t> {
             && a.dimension == b.dimension
             && !c.is_local()
         {
-            let (dimension, painted) = (a.dimension, a.painted || b.painted);
+            let (dimension, painted, steep) = (a.dimension, a.painted || b.painted, a.steep || b.steep);
             let kind = ShapeKind::Choice { condition: c, then: a.clone(), otherwise: b.clone() };
-            return Ok(Value::Shape(Rc::new(Shape { dimension, kind, painted })));
+            return Ok(Value::Shape(Rc::new(Shape { dimension, kind, painted, steep })));
         }
         let (a, b) = self.alike(a, b, then.result.span, otherwise.result.span)?;
         self.zip(&a, &b, condition.span, &mut |this, x, y| {
@@ -542,7 +544,8 @@ impl<'t> Elaborator<'t> {
     fn joined(&mut self, a: &Value<'t>, b: &Value<'t>, span: Span) -> Eval<Value<'t>> {
         match (a, b) {
             (Value::Number(x), Value::Number(y))
-                if x.ty == y.ty || (x.ty != Type::Bool && y.ty != Type::Bool && x.ty.min(y.ty) == Type::Float) =>
+                if x.ty == y.ty
+                    || (x.ty != Type::Bool && y.ty != Type::Bool && x.ty.min(y.ty) == Type::Float) =>
             {
                 let zero = match x.ty.max(y.ty) {
                     Type::Bool => Constant::Bool(false),
@@ -943,9 +946,9 @@ fn swizzle(name: &str, ty: Type) -> Option<Vec<usize>> {
 pub(crate) fn name_shape<'t>(value: Value<'t>, name: &Arc<str>, span: Span, thunk: Thunk<'t>) -> Value<'t> {
     match value {
         Value::Shape(shape) if !matches!(shape.kind, ShapeKind::Named { .. }) => {
-            let (dimension, painted) = (shape.dimension, shape.painted);
+            let (dimension, painted, steep) = (shape.dimension, shape.painted, shape.steep);
             let kind = ShapeKind::Named { name: name.clone(), span, thunk, inner: shape };
-            Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+            Value::Shape(Rc::new(Shape { dimension, kind, painted, steep }))
         }
         other => other,
     }

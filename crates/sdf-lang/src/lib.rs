@@ -19,6 +19,7 @@ mod outline;
 mod scene;
 mod settings;
 mod shape;
+mod stride;
 mod surface;
 mod value;
 mod walk;

@@ -4,8 +4,8 @@ use crate::builtin;
 use crate::errors;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
-    Scene, SettingsKind,
+    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name,
+    Parameter, PostfixKind, Record, Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 use std::collections::HashMap;
@@ -30,6 +30,8 @@ pub(crate) struct Items<'t> {
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
     /// What items require, by their place in memory.
+    /// The slopes that functions state for their fields, by their places in memory.
+    pub slopes: HashMap<*const (), &'t Expr>,
     pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
     all_functions: Vec<&'t Function>,
 }
@@ -175,6 +177,11 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
         {
             items.requirements.insert(place, requirements);
         }
+        if let (ItemKind::Fn(_), Some(place), Some(slope)) =
+            (&item.kind, place, stated_slope(&item.attributes))
+        {
+            items.slopes.insert(place, slope);
+        }
         match &item.kind {
             ItemKind::Import { .. } => {
                 diagnostics.push(errors::not_built_yet(
@@ -245,12 +252,22 @@ fn requirements<'t>(
                 out.push(Requirement { condition, message, span: attribute.span });
             }
             ("requires", _) => diagnostics.push(errors::wrong_requirement(attribute.span)),
+            ("lipschitz", [AttributeArgument::Expr(_)]) => {}
+            ("lipschitz", _) => diagnostics.push(errors::wrong_slope(attribute.span)),
             // The library's promises are what its tests hold it to.
             _ if module != Module::User => {}
             _ => diagnostics.push(errors::promise_not_built_yet(attribute.span, name)),
         }
     }
     out
+}
+
+/// What `@lipschitz(e)` states.
+fn stated_slope<'t>(attributes: &'t [Attribute]) -> Option<&'t Expr> {
+    attributes.iter().find(|a| &*a.name.text == "lipschitz").and_then(|a| match &a.arguments[..] {
+        [AttributeArgument::Expr(e)] => Some(e),
+        _ => None,
+    })
 }
 
 fn add_value<'t>(

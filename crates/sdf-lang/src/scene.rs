@@ -76,10 +76,12 @@ impl<'t> Elaborator<'t> {
         self.scene_parts = shapes.clone();
         let settings = self.settings()?;
         let painted = shapes.iter().any(|s| s.painted);
+        let steep = shapes.iter().any(|s| s.steep);
         let union = Rc::new(Shape {
             dimension: Dimension::Three,
             kind: ShapeKind::Union { shapes: shapes.clone() },
             painted,
+            steep,
         });
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
         let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
@@ -287,6 +289,9 @@ impl<'t> Elaborator<'t> {
             if hard {
                 summary.effects.push("hard shadow");
             }
+        }
+        if self.scene_parts.iter().any(|s| s.steep) {
+            summary.effects.push("step correction");
         }
         if known("ambient", "occluded") == Some(Constant::Bool(true)) {
             summary.effects.push("occlusion");

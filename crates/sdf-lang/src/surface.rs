@@ -208,6 +208,19 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// What a formula samples: each shape, where, and the distance found there.
+    pub fn samples_of(
+        &mut self,
+        formula: impl FnOnce(&mut Self) -> Eval<Number>,
+    ) -> Eval<Vec<(Rc<Shape<'t>>, Number, Number)>> {
+        self.contexts.open(&Arc::from("samples"), None);
+        let saved = self.samples.replace(Vec::new());
+        let result = formula(self);
+        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
+        self.contexts.discard();
+        result.map(|_| samples.into_iter().map(|s| (s.shape, s.point, s.distance)).collect())
+    }
+
     /// The mix of the materials of what a formula samples.
     fn mix_samples(
         &mut self,

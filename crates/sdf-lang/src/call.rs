@@ -611,6 +611,7 @@ fn fit_plain<'t>(
             for item in &items {
                 widened += takes(slot, item)?;
             }
+            widened += nothing_is_solid(slot, &items);
             arguments[next] = Some(Value::list(items));
         } else if let Some(value) = rest.next() {
             widened += takes(slot, value)?;
@@ -642,14 +643,18 @@ fn fit_plain<'t>(
     }
     for (slot, argument) in slots.iter().zip(&mut arguments) {
         if argument.is_none() && slot.variadic {
-            // `union()` of nothing is a solid: the plane's reading counts as the farther one.
-            widened += u32::from(slot.kind == SlotKind::Type(TypeKind::Shape2));
+            widened += nothing_is_solid(slot, &[]);
             *argument = Some(Value::list(Vec::new()));
         } else if argument.is_none() && !slot.optional {
             return Err(format!("`{}` is missing", slot.name));
         }
     }
     Ok(Fit { arguments, widened })
+}
+
+/// `union()` of nothing is a solid: the plane's reading counts as the farther one.
+fn nothing_is_solid(slot: &Slot<'_>, items: &[Value<'_>]) -> u32 {
+    u32::from(items.is_empty() && slot.kind == SlotKind::Type(TypeKind::Shape2))
 }
 
 /// Whether a parameter takes a value: 0 as it is, 1 widened.

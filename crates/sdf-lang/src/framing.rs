@@ -111,9 +111,10 @@ impl Field {
             return None;
         };
         let distance = elaborator.contexts.value(&distance);
-        let (id, _) = elaborator.contexts.finish(vec![(distance, Arc::from("distance"))]);
+        // Kept apart from the program, which would grow by a function for each part.
+        let (function, _) = elaborator.contexts.finish_apart(vec![distance]);
         let mut program = elaborator.contexts.snapshot();
-        program.entry = Some(id);
+        program.entry = Some(program.add(function));
         let (program, _) = simplify(&program, &[]);
         Some(Field { tape: Tape::compile(&program, program.entry?) })
     }

@@ -42,7 +42,18 @@ impl<'t> Elaborator<'t> {
             ShapeKind::Choice { condition, then, otherwise } => {
                 self.chosen_distance(condition, [then, otherwise], point, span)
             }
-            ShapeKind::Named { inner, .. } if !point.is_local() => self.distance(inner, point, span),
+            ShapeKind::Named { inner, .. } if !point.is_local() => {
+                let errors_before = self.diagnostics.len();
+                let distance = self.distance(inner, point, span);
+                if distance.is_ok() || !self.is_rendering() {
+                    return distance;
+                }
+                // The renderer asked at a point that is known, as the eye is: what is wrong only there, a
+                // division by zero for example, is no mistake of the scene.
+                self.diagnostics.truncate(errors_before);
+                let point = self.as_local(point);
+                self.distance(shape, &point, span)
+            }
             ShapeKind::Named { name, span: place, thunk, inner } => {
                 self.named_distance(name, *place, thunk, inner, point, span)
             }
@@ -225,6 +236,11 @@ impl<'t> Elaborator<'t> {
         Ok(Value::record(
             names.into_iter().zip(results).map(|(n, v)| (Arc::from(n), Value::Number(v))).collect(),
         ))
+    }
+
+    /// Whether what is being evaluated is the renderer's, in a function of the program.
+    fn is_rendering(&self) -> bool {
+        self.contexts.depth() > 0 && self.origins.last().is_some_and(|o| o.module == Module::Runtime)
     }
 
     /// A point as a node of the innermost function.

@@ -107,6 +107,10 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
             Err(error) => panic!("no thread for elaboration: {error}"),
         }
     });
+    if syntax_errors {
+        // It may be what could not be read.
+        diagnostics.retain(|d| d.code != sdf_syntax::Code::E060);
+    }
     tidy(&mut diagnostics);
     let scene = scene.filter(|_| !syntax_errors);
     Compilation { sources, tree, diagnostics, scene }

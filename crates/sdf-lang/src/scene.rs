@@ -80,7 +80,8 @@ impl<'t> Elaborator<'t> {
             kind: ShapeKind::Union { shapes: shapes.clone() },
             painted,
         });
-        let map = name_shape(Value::Shape(union), &Arc::from("map"), Span::default(), Thunk::Fixed);
+        let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
         let glows = self.glows(&shapes)?;
         let summary = self.summary(&settings, &glows, shapes.len());
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);

@@ -430,15 +430,34 @@ impl<'t> Elaborator<'t> {
             Some(_) => return self.block(otherwise, env),
             None => {}
         }
-        if crate::outline::is_costly(then) || crate::outline::is_costly(otherwise) {
+        let costly = crate::outline::is_costly(then) || crate::outline::is_costly(otherwise);
+        if costly && (c.is_local() || !self.is_shape(then, env)) {
             return self.branch(&c, condition.span, then, otherwise, env);
         }
         let a = self.block(then, env)?;
         let b = self.block(otherwise, env)?;
+        if let (Value::Shape(a), Value::Shape(b)) = (&a, &b)
+            && a.dimension == b.dimension
+            && !c.is_local()
+        {
+            let (dimension, painted) = (a.dimension, a.painted || b.painted);
+            let kind = ShapeKind::Choice { condition: c, then: a.clone(), otherwise: b.clone() };
+            return Ok(Value::Shape(Rc::new(Shape { dimension, kind, painted })));
+        }
         let (a, b) = self.alike(a, b, then.result.span, otherwise.result.span)?;
         self.zip(&a, &b, condition.span, &mut |this, x, y| {
             Ok(this.contexts.apply(Op::Ternary(Ternary::Select), &[c.clone(), x.clone(), y.clone()]))
         })
+    }
+
+    /// Whether a block gives a shape; nothing that it does is kept.
+    fn is_shape(&mut self, block: &'t Block, env: &Env<'t>) -> bool {
+        let reported = self.diagnostics.len();
+        self.contexts.open(&Arc::from("trial"), None);
+        let value = self.block(block, env);
+        self.contexts.discard();
+        self.diagnostics.truncate(reported);
+        matches!(value, Ok(Value::Shape(_)))
     }
 
     /// An `if` of which only one side is computed.
@@ -452,11 +471,11 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Value<'t>> {
         let c = self.contexts.value(condition);
         let then_region = self.contexts.builder().open_region(&[]);
-        let a = self.block(then, env).and_then(|v| self.flatten(&v, then.result.span));
+        let a = self.block(then, env).and_then(|v| self.branch_numbers(&v, span, then.result.span));
         let a_values: Vec<_> = a.iter().flat_map(|(_, n)| n).map(|n| self.contexts.value(n)).collect();
         self.contexts.builder().close_region(a_values);
         let else_region = self.contexts.builder().open_region(&[]);
-        let b = self.block(otherwise, env).and_then(|v| self.flatten(&v, otherwise.result.span));
+        let b = self.block(otherwise, env).and_then(|v| self.branch_numbers(&v, span, otherwise.result.span));
         let b_numbers = match (&a, &b) {
             (Ok((_, a)), Ok((_, b))) if a.len() == b.len() => {
                 let mut out = Vec::new();
@@ -476,6 +495,19 @@ impl<'t> Elaborator<'t> {
         b_numbers?;
         let results = self.contexts.builder().branch(c, then_region, else_region);
         self.unflatten(&template, &results)
+    }
+
+    /// The numbers that a side of an `if` gives, where the condition depends on a point.
+    fn branch_numbers(
+        &mut self,
+        value: &Value<'t>,
+        condition: Span,
+        side: Span,
+    ) -> Eval<(Value<'t>, Vec<Number>)> {
+        match value {
+            Value::Shape(_) => self.report(errors::shape_depends_on_point(condition)),
+            value => self.flatten(value, side),
+        }
     }
 
     /// Two values of one kind, floats widened where the other is a vector.

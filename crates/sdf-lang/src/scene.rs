@@ -94,6 +94,7 @@ impl<'t> Elaborator<'t> {
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
+        fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         let scene = Value::record(fields);
@@ -107,6 +108,16 @@ impl<'t> Elaborator<'t> {
             _ => None,
         };
         Ok(Made { map: map_id, pixel, probe, summary })
+    }
+
+    /// Whether the distance to a shape is the same everywhere, so that it has no surface.
+    fn is_empty(&mut self, shape: &Value<'t>) -> Eval<bool> {
+        let Value::Shape(shape) = shape else { unreachable!("a scene is a shape") };
+        self.contexts.open(&Arc::from("empty"), None);
+        let point = self.contexts.entry_parameter("p", Type::Vec3);
+        let distance = self.sample(shape, &point, Span::default());
+        self.contexts.discard();
+        Ok(!distance?.is_local())
     }
 
     /// A function of a pixel's coordinate: the renderer's of this name, with the scene filled in.

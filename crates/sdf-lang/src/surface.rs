@@ -192,15 +192,13 @@ impl<'t> Elaborator<'t> {
                 }
             }
             ShapeKind::Union { shapes } => {
-                let parts = shapes.clone();
+                let shapes = shapes.clone();
+                self.mix_samples(point, normal, span, move |this, p| this.union_distance(&shapes, p, span))
+            }
+            ShapeKind::Choice { condition, then, otherwise } => {
+                let (condition, then, otherwise) = (condition.clone(), then.clone(), otherwise.clone());
                 self.mix_samples(point, normal, span, move |this, p| {
-                    let union = Rc::new(Shape {
-                        dimension: sdf_syntax::tree::Dimension::Three,
-                        kind: ShapeKind::Union { shapes: parts },
-                        painted: false,
-                    });
-                    let ShapeKind::Union { shapes } = &union.kind else { unreachable!("just made") };
-                    this.union_distance(shapes, p, span)
+                    this.chosen_distance(&condition, [&then, &otherwise], p, span)
                 })
             }
             ShapeKind::Field { block, env, .. } => {

@@ -190,6 +190,8 @@ pub(crate) enum ShapeKind<'t> {
     Named { name: Arc<str>, span: Span, thunk: Thunk<'t>, inner: Rc<Shape<'t>> },
     /// A shape with a material.
     Painted { shape: Rc<Shape<'t>>, material: Rc<Material<'t>> },
+    /// One of two shapes, by a condition that holds for a whole frame or not.
+    Choice { condition: Number, then: Rc<Shape<'t>>, otherwise: Rc<Shape<'t>> },
     /// The union of shapes as the scene's own field. Kept apart from `field` so that its parts can be listed.
     Union { shapes: Vec<Rc<Shape<'t>>> },
 }

@@ -11,7 +11,9 @@ fn productions(parser: &str) -> String {
     );
     let mut seen = Vec::new();
     for line in parser.lines() {
-        let Some(text) = line.trim().strip_prefix("/// `").and_then(|rest| rest.strip_suffix('`')) else { continue };
+        let Some(text) = line.trim().strip_prefix("/// `").and_then(|rest| rest.strip_suffix('`')) else {
+            continue;
+        };
         let Some((name, _)) = text.split_once(" = ") else { continue };
         if !seen.contains(&name) {
             seen.push(name);

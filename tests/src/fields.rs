@@ -110,8 +110,9 @@ pub fn ulp(x: f64) -> f64 {
     f64::from(x) - f64::from(x.next_down())
 }
 
-/// How far two computations of the same lie apart. The unit at a point is the ulp of the largest magnitude among
-/// its coordinates and all results there of both.
+/// How far two computations of the same lie apart. The unit at a point is the ulp of the largest of 1, twice the
+/// magnitude of each coordinate and twice that of each result there: about the largest number met on the way, since
+/// unit vectors and cells have the size 1, and what is turned or mirrored reaches twice the coordinates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spread {
     /// How many points there are.
@@ -138,14 +139,15 @@ pub fn spread(
     let mut spread = Spread { points: points[0].len(), ..Spread::default() };
     for i in 0..spread.points {
         let at = |columns: &[Vec<f64>]| columns.iter().map(|c| c[i]).collect::<Vec<f64>>();
-        let (point, e, f) = (points.iter().map(|c| f64::from(c[i])).collect::<Vec<_>>(), at(expected), at(found));
+        let (point, e, f) =
+            (points.iter().map(|c| f64::from(c[i])).collect::<Vec<_>>(), at(expected), at(found));
         let finite = e.iter().chain(&f).all(|x| x.is_finite());
         if !finite {
             spread.wrong.push(format!("{point:?}: {e:?} and {f:?} are not all finite"));
             continue;
         }
         let largest = point.iter().chain(&e).chain(&f).fold(0.0f64, |m, x| m.max(x.abs()));
-        let unit = ulp(largest);
+        let unit = ulp((2.0 * largest).max(1.0));
         let difference = e.iter().zip(&f).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         spread.unequal += usize::from(e != f);
         let units = difference / unit;
@@ -163,11 +165,7 @@ pub fn spread(
 }
 
 /// How far the results at a point and at those within `reach` of it lie apart.
-fn change_beside(
-    point: &[f64],
-    reach: f64,
-    results: &impl Fn(&[Vec<f64>]) -> Vec<Vec<f64>>,
-) -> f64 {
+fn change_beside(point: &[f64], reach: f64, results: &impl Fn(&[Vec<f64>]) -> Vec<Vec<f64>>) -> f64 {
     let steps = [-1.0, 0.0, 1.0];
     let offset = |axis: u32, i: usize| steps[i / 3usize.pow(axis) % 3] * reach;
     let near: Vec<Vec<f64>> =

@@ -124,7 +124,7 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
 
 /// Puts findings in the order of the source, each once.
 fn tidy(diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics.sort_by(|a, b| (a.span, a.code).cmp(&(b.span, b.code)));
+    diagnostics.sort_by_key(|d| (d.span, d.code));
     diagnostics.dedup_by(|b, a| a.span == b.span && a.code == b.code && a.message == b.message);
 }
 

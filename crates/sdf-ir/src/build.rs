@@ -20,6 +20,9 @@ pub struct Builder {
     interned: HashMap<Vec<Value>, List>,
 }
 
+/// The regions that were open when they were [left](Builder::leave_regions), from the outermost.
+pub struct OpenRegions(Vec<(RegionId, HashMap<Node, Value>)>);
+
 impl Builder {
     /// A function with these parameters and nothing in it.
     pub fn new(name: impl Into<Arc<str>>, parameters: Vec<Parameter>) -> Builder {
@@ -102,6 +105,17 @@ impl Builder {
             Node::Compose3(x, y, z) => Some(Constant::Vec3([float(x)?, float(y)?, float(z)?])),
             _ => None,
         }
+    }
+
+    /// Leaves all open regions for a while: what follows lands in the function's own region, before them.
+    pub fn leave_regions(&mut self) -> OpenRegions {
+        OpenRegions(self.scopes.split_off(1))
+    }
+
+    /// Goes on with the regions that were left.
+    pub fn return_to(&mut self, regions: OpenRegions) {
+        assert_eq!(self.scopes.len(), 1, "a region is still open");
+        self.scopes.extend(regions.0);
     }
 
     // ---- leaves

@@ -337,6 +337,11 @@ impl<'t> Elaborator<'t> {
             ));
         }
         let (template, initial) = self.flatten(first, span)?;
+        if initial.iter().all(|n| n.known().is_some())
+            && let Some(last) = self.iterate_now(n as u32, &template, next, arguments[3].as_ref(), span)?
+        {
+            return Ok(last);
+        }
         let values: Vec<_> = initial.iter().map(|n| self.contexts.value(n)).collect();
         let types: Vec<Type> = initial.iter().map(|n| n.ty).collect();
 
@@ -365,6 +370,36 @@ impl<'t> Elaborator<'t> {
         after?;
         let results = self.contexts.builder().repeat(n as u32, &values, until_region, next_region);
         self.unflatten(&template, &results)
+    }
+
+    /// The last state of a loop, where it is known now.
+    fn iterate_now(
+        &mut self,
+        rounds: u32,
+        first: &Value<'t>,
+        next: &Value<'t>,
+        until: Option<&Value<'t>>,
+        span: Span,
+    ) -> Eval<Option<Value<'t>>> {
+        let mut state = first.clone();
+        for round in 0..rounds {
+            if let Some(until) = until {
+                let stop = self.call_function(until, vec![state.clone()], span)?;
+                match self.as_typed(stop, Type::Bool, span)?.known() {
+                    Some(Constant::Bool(true)) => break,
+                    Some(_) => {}
+                    None => return Ok(None),
+                }
+            }
+            let round = Value::float(f64::from(round));
+            let after = self.call_function(next, vec![round, state], span)?;
+            let numbers = self.like(first, &after, span)?;
+            if numbers.iter().any(|n| n.known().is_none()) {
+                return Ok(None);
+            }
+            state = crate::eval::rebuild(first, &mut numbers.into_iter());
+        }
+        Ok(Some(state))
     }
 
     fn region_argument(&mut self, region: sdf_ir::RegionId, index: usize, ty: Type) -> Number {
@@ -396,7 +431,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// The numbers of a value that must have the form and types of `template`.
-    fn like(&mut self, template: &Value<'t>, value: &Value<'t>, span: Span) -> Eval<Vec<Number>> {
+    pub fn like(&mut self, template: &Value<'t>, value: &Value<'t>, span: Span) -> Eval<Vec<Number>> {
         match (template, value) {
             (Value::Number(t), Value::Number(n)) => Ok(vec![self.widen(n, t.ty, span)?]),
             (Value::Record(t), Value::Record(v)) => {
@@ -409,6 +444,13 @@ impl<'t> Elaborator<'t> {
                 }
                 if let Some((name, _)) = v.fields.iter().find(|(name, _)| t.get(name).is_none()) {
                     return self.report(errors::no_member(span, name, "the first state", None));
+                }
+                Ok(out)
+            }
+            (Value::List(t), Value::List(v)) if t.items.len() == v.items.len() => {
+                let mut out = Vec::new();
+                for (part, new) in t.items.iter().zip(&v.items) {
+                    out.extend(self.like(part, new, span)?);
                 }
                 Ok(out)
             }

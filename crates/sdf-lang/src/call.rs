@@ -134,7 +134,16 @@ impl<'t> Elaborator<'t> {
             let given = self.given(Some(receiver), arguments, env)?;
             return self.apply_value(local, given, span);
         }
-        let candidates = self.overloads(&name.text, env.module);
+        let mut candidates = self.overloads(&name.text, env.module);
+        if candidates.is_empty() && self.names.module(env.module).values.contains_key(&name.text) {
+            let item = self.global(&name.text, env.module, name.span)?;
+            if matches!(item, Value::Function(_) | Value::Shape(_)) {
+                let given = self.given(Some(receiver), arguments, env)?;
+                return self.apply_value(item, given, span);
+            }
+            // What cannot be called hides no method.
+            candidates = self.overloads(&name.text, Module::Library);
+        }
         let given = self.given(Some(receiver), arguments, env);
         if candidates.is_empty() {
             return self.report(self.names.unknown_function(&name.text, name.span, env.module));
@@ -199,9 +208,9 @@ impl<'t> Elaborator<'t> {
         match fit(&mut self.contexts, &slot, &given) {
             Ok(fit) => match fit.arguments.into_iter().next().flatten() {
                 Some(Value::Number(n)) => self.widen_row(n, ty, span),
-                _ => self.report(errors::no_fit(span, "a shape", &given.describe(), "", &[signature])),
+                _ => self.report(errors::no_fit(span, "shape", &given.describe(), "", &[signature])),
             },
-            Err(why) => self.report(errors::no_fit(span, "a shape", &given.describe(), &why, &[signature])),
+            Err(why) => self.report(errors::no_fit(span, "shape", &given.describe(), &why, &[signature])),
         }
     }
 
@@ -250,7 +259,7 @@ impl<'t> Elaborator<'t> {
         match candidate {
             Candidate::BuiltIn(b) => (b.run)(self, &fit.arguments, span),
             Candidate::Written(function, module) => {
-                let arguments = self.complete(function, module, fit.arguments)?;
+                let arguments = self.complete(function, module, fit.arguments, span)?;
                 self.call_written(function, module, arguments, span)
             }
         }
@@ -262,6 +271,7 @@ impl<'t> Elaborator<'t> {
         function: &'t Function,
         module: Module,
         arguments: Vec<Option<Value<'t>>>,
+        span: Span,
     ) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
         let mut env = Env::new(module);
         let mut out = Vec::new();
@@ -276,6 +286,7 @@ impl<'t> Elaborator<'t> {
             env = env.bind(name.clone(), value.clone());
             out.push((name, value));
         }
+        self.require(std::ptr::from_ref(function).cast(), module, &env, span)?;
         Ok(out)
     }
 
@@ -304,14 +315,8 @@ impl<'t> Elaborator<'t> {
         arguments: Vec<(Arc<str>, Value<'t>)>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        self.recursion += 1;
-        if self.recursion > crate::eval::RECURSION_LIMIT {
-            self.recursion -= 1;
-            return self.report(
-                errors::too_long(span, &format!("the recursion of `{}`", function.name.text), 256)
-                    .help("a recursive function needs an `if` with a static condition that ends it"),
-            );
-        }
+        let place = std::ptr::from_ref(function).cast::<()>();
+        self.enter(place, span, &format!("`{}`", function.name.text))?;
         let result = if self.is_outlined(function, module, &arguments) {
             match self.call_outlined(function, module, &arguments) {
                 Some(result) => result,
@@ -320,7 +325,7 @@ impl<'t> Elaborator<'t> {
         } else {
             self.evaluate_body(function, module, &arguments)
         };
-        self.recursion -= 1;
+        self.leave(place);
         let value = result?;
         if module != Module::User {
             return Ok(value);
@@ -463,13 +468,10 @@ impl<'t> Elaborator<'t> {
             let value = self.adapt(value, parameter)?;
             inner = inner.bind(parameter.name.text.clone(), value);
         }
-        self.recursion += 1;
-        let result = if self.recursion > crate::eval::RECURSION_LIMIT {
-            self.report(errors::too_long(span, "the recursion", 256))
-        } else {
-            self.eval(&lambda.body, &inner)
-        };
-        self.recursion -= 1;
+        let place = std::ptr::from_ref(lambda).cast::<()>();
+        self.enter(place, span, "this function")?;
+        let result = self.eval(&lambda.body, &inner);
+        self.leave(place);
         result
     }
 }

@@ -7,6 +7,7 @@
 //! becomes a parameter of every function between.
 
 use crate::value::{Number, Repr};
+use sdf_ir::build::OpenRegions;
 use sdf_ir::{
     Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Ternary, Type, Unary,
 };
@@ -48,6 +49,8 @@ pub(crate) struct Contexts {
     /// Which global a node of the frame is.
     globals: HashMap<sdf_ir::Value, u16>,
     global_values: Vec<sdf_ir::Value>,
+    /// Whether the function that is open outermost is one that the frame calls: it takes all it needs as arguments.
+    frame_calls: bool,
     /// Nodes made in functions that are finished, for the limit on a program's size.
     pub nodes: usize,
 }
@@ -64,6 +67,7 @@ impl Contexts {
             finished: HashMap::new(),
             globals: HashMap::new(),
             global_values: Vec::new(),
+            frame_calls: false,
             nodes: 0,
         }
     }
@@ -78,6 +82,16 @@ impl Contexts {
         &mut self.stack.last_mut().expect("the frame is always open").builder
     }
 
+    /// Leaves the branches and loops of the frame that are being made, so that what follows lands before them.
+    pub fn leave_frame_regions(&mut self) -> OpenRegions {
+        self.stack[0].builder.leave_regions()
+    }
+
+    /// Goes on with what was left.
+    pub fn return_to_frame_regions(&mut self, regions: OpenRegions) {
+        self.stack[0].builder.return_to(regions);
+    }
+
     // ---- functions
 
     /// Opens a function.
@@ -85,6 +99,16 @@ impl Contexts {
         let mut builder = Builder::new(name.clone(), Vec::new());
         builder.set_line(line);
         self.stack.push(Context { builder, imports: HashMap::new(), arguments: Vec::new() });
+    }
+
+    /// Says whether the frame calls the functions that are opened from now on.
+    pub fn set_frame_calls(&mut self, frame_calls: bool) {
+        self.frame_calls = frame_calls;
+    }
+
+    /// Whether the frame calls the functions that are open.
+    pub fn frame_calls(&self) -> bool {
+        self.frame_calls
     }
 
     /// Gives the innermost function a parameter for which its caller passes `argument`.
@@ -274,6 +298,9 @@ impl Contexts {
     fn import_frame(&mut self, value: sdf_ir::Value, number: &Number, depth: u32) -> sdf_ir::Value {
         if let Node::Uniform(index) = self.stack[0].builder.node(value) {
             return self.stack[depth as usize].builder.uniform(index, number.ty);
+        }
+        if self.frame_calls {
+            return self.import_parameter(number, depth);
         }
         let index = match self.globals.get(&value) {
             Some(index) => *index,

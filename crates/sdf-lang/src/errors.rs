@@ -102,8 +102,11 @@ pub(crate) fn no_member(span: Span, name: &str, of: &str, help: Option<String>) 
 }
 
 pub(crate) fn index_out_of_range(span: Span, index: f64, len: usize) -> Diagnostic {
-    Diagnostic::new(Code::E035, span, format!("there is no element {index} in a list of {len}"))
-        .label(if len == 0 { "the list is empty".to_string() } else { format!("0 to {} are there", len - 1) })
+    Diagnostic::new(Code::E035, span, format!("there is no element {index}")).label(match len {
+        0 => "there are none".to_string(),
+        1 => "only 0 is there".to_string(),
+        _ => format!("0 to {} are there", len - 1),
+    })
 }
 
 pub(crate) fn not_static(span: Span, what: &str) -> Diagnostic {
@@ -189,10 +192,40 @@ pub(crate) fn wrong_setting(span: Span, message: impl Into<String>, help: impl I
 
 pub(crate) fn not_built_yet(span: Span, what: &str, instead: &str) -> Diagnostic {
     Diagnostic::new(Code::E064, span, format!("{what} is not built yet"))
-        .label("a valid setting, but nothing draws it so far")
+        .label("part of the language, but not of sdfc so far")
         .help(instead.to_string())
 }
 
 pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(Code::E065, span, message).help(help)
+}
+
+/// What the author of a function or value requires does not hold.
+pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
+    Diagnostic::new(Code::E043, span, message).label("refused here").related(stated, "required here")
+}
+
+pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E020, name.span, format!("there is no attribute `@{}`", name.text));
+    match similar {
+        Some(s) => d.label("not found").help(format!("did you mean `@{s}`?")),
+        None => d.label("not found").help(format!("the attributes are @{}", all.join(", @"))),
+    }
+}
+
+pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E063, span, "an attribute stands before a `fn` or a `let`")
+        .label("before something else")
+        .help("remove it")
+}
+
+pub(crate) fn wrong_requirement(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, "`@requires` takes a condition and a message")
+        .help("write for example `@requires(r > 0, \"the radius must be positive\")`")
+}
+
+pub(crate) fn promise_not_built_yet(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E064, span, format!("the promise `@{name}` is not built yet"))
+        .label("nothing uses what this promises so far")
+        .help("leave it out for now")
 }

@@ -21,8 +21,10 @@ pub(crate) struct Reported;
 /// A value, or a diagnostic has been reported.
 pub(crate) type Eval<T> = Result<T, Reported>;
 
-/// How deep calls of functions may nest.
-pub(crate) const RECURSION_LIMIT: u32 = 256;
+/// How deep calls of functions may nest inside calls of the same functions.
+const RECURSION_LIMIT: u32 = 256;
+/// How deep calls of any functions may nest.
+const CALL_LIMIT: u32 = 1024;
 /// How many elements a loop or list may have.
 const LOOP_LIMIT: usize = 65_536;
 /// How many nodes a program may have.
@@ -63,7 +65,10 @@ pub(crate) struct Elaborator<'t> {
     pub columns: std::collections::BTreeSet<crate::surface::Column>,
     /// The shapes of the scene block, for the camera that frames them.
     pub scene_parts: Vec<Rc<Shape<'t>>>,
-    pub recursion: u32,
+    /// How often each function is being evaluated, by its place in memory.
+    pub active: HashMap<*const (), u32>,
+    /// How many calls that is together.
+    pub calls: u32,
     pub work: usize,
 }
 
@@ -87,6 +92,32 @@ impl<'t> Elaborator<'t> {
             return self.report(errors::too_large(span, "operations", NODE_LIMIT));
         }
         Ok(())
+    }
+
+    /// Begins a call of the function at a place in memory; refuses a recursion that is too deep.
+    pub fn enter(&mut self, function: *const (), span: Span, what: &str) -> Eval<()> {
+        *self.active.entry(function).or_insert(0) += 1;
+        self.calls += 1;
+        let recursion = self.calls - self.active.len() as u32;
+        if recursion < RECURSION_LIMIT && self.calls <= CALL_LIMIT {
+            return Ok(());
+        }
+        self.leave(function);
+        self.report(
+            errors::too_long(span, &format!("the recursion of {what}"), u64::from(RECURSION_LIMIT))
+                .help("a recursive function needs an `if` with a static condition that ends it"),
+        )
+    }
+
+    /// Ends a call that was begun.
+    pub fn leave(&mut self, function: *const ()) {
+        self.calls -= 1;
+        match self.active.get_mut(&function) {
+            Some(count) if *count > 1 => *count -= 1,
+            _ => {
+                self.active.remove(&function);
+            }
+        }
     }
 
     // ---- expressions
@@ -252,6 +283,9 @@ impl<'t> Elaborator<'t> {
         }
         let mut left = self.eval(first, env);
         for (op, op_span, right) in rest {
+            if left.as_ref().is_ok_and(|l| decides(*op, l)) {
+                continue;
+            }
             let span = first.span.to(right.span);
             let right_value = self.eval(right, env);
             left = match (left, right_value) {
@@ -470,43 +504,74 @@ impl<'t> Elaborator<'t> {
         env: &Env<'t>,
     ) -> Eval<Value<'t>> {
         let c = self.contexts.value(condition);
-        let then_region = self.contexts.builder().open_region(&[]);
-        let a = self.block(then, env).and_then(|v| self.branch_numbers(&v, span, then.result.span));
-        let a_values: Vec<_> = a.iter().flat_map(|(_, n)| n).map(|n| self.contexts.value(n)).collect();
+        let mut then_region = self.contexts.builder().open_region(&[]);
+        let a = self.block(then, env);
+        let a_numbers = a.as_ref().map_or(Vec::new(), numbers_of);
+        let a_values: Vec<_> = a_numbers.iter().map(|n| self.contexts.value(n)).collect();
         self.contexts.builder().close_region(a_values);
+
         let else_region = self.contexts.builder().open_region(&[]);
-        let b = self.block(otherwise, env).and_then(|v| self.branch_numbers(&v, span, otherwise.result.span));
-        let b_numbers = match (&a, &b) {
-            (Ok((_, a)), Ok((_, b))) if a.len() == b.len() => {
-                let mut out = Vec::new();
-                for (x, y) in a.iter().zip(b) {
-                    out.push(self.widen(y, x.ty, otherwise.result.span));
-                }
-                out.into_iter().collect::<Eval<Vec<_>>>()
-            }
-            (Ok(_), Ok(_)) => {
-                self.report(errors::wrong_type(span, "two values of one kind", "a choice between two kinds"))
-            }
+        let b = self.block(otherwise, env);
+        let template = match (a, &b) {
+            (Ok(a), Ok(b)) => self.joined(&a, b, span),
+            _ => Err(Reported),
+        };
+        let b_numbers = match (&template, &b) {
+            (Ok(template), Ok(b)) => self.like(template, b, otherwise.result.span),
             _ => Err(Reported),
         };
         let b_values: Vec<_> = b_numbers.iter().flatten().map(|n| self.contexts.value(n)).collect();
         self.contexts.builder().close_region(b_values);
-        let (template, _) = a?;
+        let template = template?;
         b_numbers?;
+
+        let types = |numbers: &[Number]| numbers.iter().map(|n| n.ty).collect::<Vec<Type>>();
+        if types(&a_numbers) != types(&numbers_of(&template)) {
+            // The first side is to be widened to what the second turned out to be: made once more.
+            then_region = self.contexts.builder().open_region(&[]);
+            let a = self.block(then, env).and_then(|a| self.like(&template, &a, then.result.span));
+            let a_values: Vec<_> = a.iter().flatten().map(|n| self.contexts.value(n)).collect();
+            self.contexts.builder().close_region(a_values);
+            a?;
+        }
         let results = self.contexts.builder().branch(c, then_region, else_region);
         self.unflatten(&template, &results)
     }
 
-    /// The numbers that a side of an `if` gives, where the condition depends on a point.
-    fn branch_numbers(
-        &mut self,
-        value: &Value<'t>,
-        condition: Span,
-        side: Span,
-    ) -> Eval<(Value<'t>, Vec<Number>)> {
-        match value {
-            Value::Shape(_) => self.report(errors::shape_depends_on_point(condition)),
-            value => self.flatten(value, side),
+    /// The form that two values have in common, floats widened where the other is a vector; its numbers are 0.
+    fn joined(&mut self, a: &Value<'t>, b: &Value<'t>, span: Span) -> Eval<Value<'t>> {
+        match (a, b) {
+            (Value::Number(x), Value::Number(y))
+                if x.ty == y.ty || (x.ty != Type::Bool && y.ty != Type::Bool && x.ty.min(y.ty) == Type::Float) =>
+            {
+                let zero = match x.ty.max(y.ty) {
+                    Type::Bool => Constant::Bool(false),
+                    ty => Constant::from_components(&vec![0.0; ty.size()]),
+                };
+                Ok(Value::Number(Number { name: x.name.clone(), ..Number::constant(zero) }))
+            }
+            (Value::Record(x), Value::Record(y)) if x.fields.len() == y.fields.len() => {
+                let mut fields = Vec::new();
+                for (name, left) in &x.fields {
+                    let Some(right) = y.get(name) else {
+                        return self.report(errors::no_member(span, name, "the other record", None));
+                    };
+                    fields.push((name.clone(), self.joined(left, right, span)?));
+                }
+                Ok(Value::record(fields))
+            }
+            (Value::List(x), Value::List(y)) if x.items.len() == y.items.len() => {
+                let pairs = x.items.iter().zip(&y.items);
+                let items: Eval<Vec<_>> = pairs.map(|(x, y)| self.joined(x, y, span)).collect();
+                Ok(Value::list(items?))
+            }
+            (Value::Shape(_), Value::Shape(_)) => self.report(errors::shape_depends_on_point(span)),
+            (Value::List(_), Value::List(_)) => self.report(errors::not_static(span, "the length of a list")),
+            (Value::Number(_) | Value::Record(_), _) => {
+                let (expected, found) = (a.describe(), b.describe());
+                self.report(errors::wrong_type(span, &expected, &found))
+            }
+            _ => self.report(errors::not_static(span, "which of these it is")),
         }
     }
 
@@ -525,7 +590,9 @@ impl<'t> Elaborator<'t> {
                 let y = self.widen(y, ty, b_span)?;
                 Ok((Value::Number(x), Value::Number(y)))
             }
-            (Value::Number(_), Value::Number(_)) | (Value::Record(_), Value::Record(_)) => Ok((a, b)),
+            (Value::Number(_), Value::Number(_))
+            | (Value::Record(_), Value::Record(_))
+            | (Value::List(_), Value::List(_)) => Ok((a, b)),
             (Value::Shape(_), _) | (_, Value::Shape(_)) => {
                 self.report(errors::shape_depends_on_point(a_span))
             }
@@ -557,6 +624,13 @@ impl<'t> Elaborator<'t> {
                 }
                 Ok(Value::record(fields))
             }
+            (Value::List(x), Value::List(y)) if x.items.len() == y.items.len() => {
+                let pairs = x.items.iter().zip(&y.items);
+                let items: Eval<Vec<_>> = pairs.map(|(x, y)| self.zip(x, y, span, f)).collect();
+                Ok(Value::list(items?))
+            }
+            (Value::Shape(_), Value::Shape(_)) => self.report(errors::shape_depends_on_point(span)),
+            (Value::List(_), Value::List(_)) => self.report(errors::not_static(span, "the length of a list")),
             (a, b) => {
                 let (expected, found) = (a.describe(), b.describe());
                 self.report(errors::wrong_type(span, &expected, &found))
@@ -741,7 +815,9 @@ impl<'t> Elaborator<'t> {
 
     /// An operation on two numbers; floats are widened where the operation wants equal types.
     pub fn binary(&mut self, op: Binary, a: &Number, b: &Number, span: Span) -> Eval<Number> {
-        if matches!(op, Binary::Divide | Binary::Modulo)
+        // The library's code means the total quotient: a size of 0 is no mistake of its own.
+        if span.file == crate::USER_FILE
+            && matches!(op, Binary::Divide | Binary::Modulo)
             && a.known().is_some()
             && b.known().is_some_and(|c| c.components().contains(&0.0))
         {
@@ -815,6 +891,16 @@ impl<'t> Elaborator<'t> {
     }
 }
 
+/// The numbers in a value, in order; what is no number is passed over.
+fn numbers_of(value: &Value<'_>) -> Vec<Number> {
+    match value {
+        Value::Number(n) => vec![n.clone()],
+        Value::Record(r) => r.fields.iter().flat_map(|(_, v)| numbers_of(v)).collect(),
+        Value::List(l) => l.items.iter().flat_map(numbers_of).collect(),
+        Value::Shape(_) | Value::Material(_) | Value::Function(_) => Vec::new(),
+    }
+}
+
 /// A value of the form of `template` with other numbers.
 pub(crate) fn rebuild<'t>(template: &Value<'t>, numbers: &mut dyn Iterator<Item = Number>) -> Value<'t> {
     match template {
@@ -830,6 +916,16 @@ pub(crate) fn rebuild<'t>(template: &Value<'t>, numbers: &mut dyn Iterator<Item 
         }
         Value::List(l) => Value::list(l.items.iter().map(|v| rebuild(v, numbers)).collect()),
         other => other.clone(),
+    }
+}
+
+/// Whether the left side of `&&` or `||` is known and settles it, so that the right side is not asked for.
+fn decides(op: BinaryOp, left: &Value<'_>) -> bool {
+    let Value::Number(n) = left else { return false };
+    match op {
+        BinaryOp::And => n.known() == Some(Constant::Bool(false)),
+        BinaryOp::Or => n.known() == Some(Constant::Bool(true)),
+        _ => false,
     }
 }
 

@@ -71,7 +71,9 @@ impl<'t> Elaborator<'t> {
         // An item is evaluated by itself, whatever needed it.
         let samples = self.samples.take();
         let origins = std::mem::take(&mut self.origins);
+        let regions = self.contexts.leave_frame_regions();
         let value = self.item_value(module, item);
+        self.contexts.return_to_frame_regions(regions);
         self.origins = origins;
         self.samples = samples;
         self.pending.pop();
@@ -93,6 +95,7 @@ impl<'t> Elaborator<'t> {
         match item {
             Item::Let(binding) => {
                 let value = self.eval(&binding.value, &env)?;
+                self.require(std::ptr::from_ref(binding).cast(), module, &env, binding.name.span)?;
                 Ok(match value {
                     Value::Number(n) => Value::Number(n.named(&binding.name.text)),
                     value if module == Module::User => {
@@ -104,6 +107,19 @@ impl<'t> Elaborator<'t> {
             Item::Param { name, default, range } => self.param(name, default, range, &env).map(Value::Number),
             Item::Material(_, record) => Ok(Value::Material(Rc::new(Material::Record { record, env }))),
         }
+    }
+
+    /// Checks what the item at a place in memory requires, as far as it is known now; `span` is what asks for it.
+    pub fn require(&mut self, item: *const (), module: Module, env: &Env<'t>, span: Span) -> Eval<()> {
+        let names = self.names;
+        for requirement in names.module(module).requirements.get(&item).into_iter().flatten() {
+            let value = self.eval(requirement.condition, env)?;
+            let holds = self.as_typed(value, Type::Bool, requirement.condition.span)?;
+            if holds.known() == Some(Constant::Bool(false)) {
+                return self.report(errors::requirement(span, requirement.message, requirement.span));
+            }
+        }
+        Ok(())
     }
 
     /// A param: a uniform, or the value that `--set` froze it to.
@@ -127,8 +143,8 @@ impl<'t> Elaborator<'t> {
                 if low_value > high_value {
                     return self.report(errors::out_of_range(
                         low.span.to(high.span),
-                        "this range",
-                        "its lower end first",
+                        "the order of this range",
+                        "the lower end first",
                     ));
                 }
                 if x < low_value || x > high_value {

@@ -4,7 +4,7 @@ use crate::builtin;
 use crate::errors;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
+    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
     Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
@@ -29,7 +29,17 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
+    /// What items require, by their place in memory.
+    pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
     all_functions: Vec<&'t Function>,
+}
+
+/// `@requires(condition, "message")`.
+#[derive(Debug)]
+pub(crate) struct Requirement<'t> {
+    pub condition: &'t Expr,
+    pub message: &'t str,
+    pub span: Span,
 }
 
 /// The items of all modules.
@@ -48,9 +58,9 @@ impl<'t> Names<'t> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Names<'t> {
         Names {
-            user: collect(&[user], diagnostics),
-            library: collect(library, diagnostics),
-            runtime: collect(runtime, diagnostics),
+            user: collect(&[user], Module::User, diagnostics),
+            library: collect(library, Module::Library, diagnostics),
+            runtime: collect(runtime, Module::Runtime, diagnostics),
         }
     }
 
@@ -120,11 +130,19 @@ impl<'t> Names<'t> {
     pub fn check(&self, diagnostics: &mut Vec<Diagnostic>) {
         let mut check = Check { names: self, module: Module::User, locals: Vec::new(), diagnostics };
         for function in &self.user.all_functions {
-            check.with_parameters(&function.parameters, |c| c.expr(&function.body));
+            let requirements = self.user.requirements.get(&std::ptr::from_ref(*function).cast());
+            check.with_parameters(&function.parameters, |c| {
+                requirements.into_iter().flatten().for_each(|r| c.expr(r.condition));
+                c.expr(&function.body);
+            });
         }
         for (_, item) in &self.user.order {
             match item {
-                Item::Let(binding) => check.expr(&binding.value),
+                Item::Let(binding) => {
+                    let requirements = self.user.requirements.get(&std::ptr::from_ref(*binding).cast());
+                    requirements.into_iter().flatten().for_each(|r| check.expr(r.condition));
+                    check.expr(&binding.value);
+                }
                 Item::Material(_, record) => check.with_point(&["p", "n"], |c| c.record(record)),
                 Item::Param { default, range, .. } => {
                     check.expr(default);
@@ -141,11 +159,22 @@ impl<'t> Names<'t> {
     }
 }
 
-fn collect<'t>(files: &[&'t File], diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
+fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
     let mut items = Items::default();
     let mut first: HashMap<Arc<str>, (Span, bool)> = HashMap::new();
     let mut lights: HashMap<Arc<str>, Span> = HashMap::new();
     for item in files.iter().flat_map(|f| &f.items) {
+        let place: Option<*const ()> = match &item.kind {
+            ItemKind::Fn(function) => Some(std::ptr::from_ref(&**function).cast()),
+            ItemKind::Let(binding) => Some(std::ptr::from_ref(binding).cast()),
+            _ => None,
+        };
+        let requirements = requirements(&item.attributes, place.is_some(), module, diagnostics);
+        if let Some(place) = place
+            && !requirements.is_empty()
+        {
+            items.requirements.insert(place, requirements);
+        }
         match &item.kind {
             ItemKind::Import { .. } => {
                 diagnostics.push(errors::not_built_yet(
@@ -191,6 +220,37 @@ fn collect<'t>(files: &[&'t File], diagnostics: &mut Vec<Diagnostic>) -> Items<'
         }
     }
     items
+}
+
+/// The attributes that the language has.
+const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
+
+/// What the attributes of an item require; what is wrong with them is reported.
+fn requirements<'t>(
+    attributes: &'t [Attribute],
+    takes_attributes: bool,
+    module: Module,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Requirement<'t>> {
+    let mut out = Vec::new();
+    for attribute in attributes {
+        let name = &*attribute.name.text;
+        match (name, &attribute.arguments[..]) {
+            _ if !ATTRIBUTES.contains(&name) => {
+                let similar = did_you_mean(name, ATTRIBUTES);
+                diagnostics.push(errors::unknown_attribute(&attribute.name, similar, &ATTRIBUTES));
+            }
+            _ if !takes_attributes => diagnostics.push(errors::misplaced_attribute(attribute.span)),
+            ("requires", [AttributeArgument::Expr(condition), AttributeArgument::Text(message, _)]) => {
+                out.push(Requirement { condition, message, span: attribute.span });
+            }
+            ("requires", _) => diagnostics.push(errors::wrong_requirement(attribute.span)),
+            // The library's promises are what its tests hold it to.
+            _ if module != Module::User => {}
+            _ => diagnostics.push(errors::promise_not_built_yet(attribute.span, name)),
+        }
+    }
+    out
 }
 
 fn add_value<'t>(

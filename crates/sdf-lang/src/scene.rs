@@ -42,7 +42,8 @@ pub(crate) fn elaborate(
         overrides: options.set.iter().cloned().collect(),
         columns: BTreeSet::new(),
         scene_parts: Vec::new(),
-        recursion: 0,
+        active: HashMap::new(),
+        calls: 0,
         work: 0,
     };
     let scene = elaborator.scene(options);

@@ -127,6 +127,7 @@ impl<'t> Elaborator<'t> {
             Thunk::Fixed => Some(Rc::as_ptr(inner).cast::<()>()),
             Thunk::Call { .. } => None,
         };
+        let key = key.filter(|_| !self.contexts.frame_calls());
         if let Some(id) = key.and_then(|k| self.shape_functions.get(&k)) {
             let id = *id;
             let point = self.contexts.value(point);
@@ -187,6 +188,18 @@ impl<'t> Elaborator<'t> {
         if shape.dimension == Dimension::Two {
             return self.report(errors::wrong_type(span, "a shape", "a 2D shape"));
         }
+        let in_frame = self.contexts.depth() == 0;
+        if in_frame {
+            self.contexts.set_frame_calls(true);
+        }
+        let result = self.gradient_here(shape, point, span);
+        if in_frame {
+            self.contexts.set_frame_calls(false);
+        }
+        result
+    }
+
+    fn gradient_here(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
         let point = self.as_local(point);
         let distance = self.distance(shape, &point, span)?;
         let (id, arguments) = match self.contexts.call_of(&distance, &point) {

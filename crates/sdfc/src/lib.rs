@@ -80,3 +80,41 @@ fn invalid_shader(reason: &str) -> Diagnostic {
     Diagnostic::new(Code::E070, Span::default(), format!("the shader of this scene is not valid: {reason}"))
         .help("this is a mistake in sdfc, not in the scene; please report it with the scene")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_source_becomes_text_and_picture() {
+        let mut clock = Clock::default();
+        let compiled = compile("a.sdf", "scene { sphere(1) }", &Options::default(), &mut clock);
+        assert_eq!(compiled.diagnostics, []);
+        let (scene, shader) = compiled.output.unwrap();
+        assert_eq!(scene.summary.shapes, 1);
+        assert!(shader.text(Target::Wgsl).unwrap().contains("fn fs_main("));
+        let frame = Frame::new(8, 4);
+        let drawing = shader.draw(&frame, &Device::Cpu, Language::Wgsl, &|_| {}, &mut clock).unwrap();
+        assert_eq!((drawing.picture.width, drawing.picture.height, drawing.device.as_str()), (8, 4, "CPU"));
+        let stages: Vec<&str> = clock.stages().iter().map(|(stage, _)| *stage).collect();
+        assert_eq!(stages, ["parse and elaborate", "legalise", "cost", "draw on the CPU"]);
+    }
+
+    #[test]
+    fn a_mistake_leaves_the_tree() {
+        let compiled = compile("a.sdf", "scene { spere(1) }", &Options::default(), &mut Clock::default());
+        assert!(compiled.has_errors() && compiled.output.is_none());
+        assert_eq!(compiled.tree.items.len(), 1);
+    }
+
+    #[test]
+    fn a_shader_that_is_not_valid_is_our_mistake() {
+        let mut compiled =
+            compile("a.sdf", "scene { sphere(1) }", &Options::default(), &mut Clock::default());
+        let (_, shader) = compiled.output.as_mut().unwrap();
+        shader.program.entry = None;
+        let diagnostic = shader.text(Target::Wgsl).unwrap_err();
+        assert_eq!(diagnostic.code, Code::E070);
+        assert!(diagnostic.help.unwrap().contains("report"));
+    }
+}

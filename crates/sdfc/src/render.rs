@@ -30,7 +30,7 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
         DrawError::Shader(bug) => our_mistake(bug, &compiled, terminal),
     })?;
     if let Some(why) = &drawing.fallback {
-        terminal.note(&format!("drawn on the CPU: {why}"));
+        terminal.note(&format!("drawn on the CPU: {}", why.lines().next().unwrap_or_default()));
     }
     let bytes = clock.time("encode", || png(&drawing, &source.text, arguments))?;
     clock.time("save", || output.write(&bytes))?;

@@ -46,11 +46,9 @@ impl Terminal {
         let mut files = Files::new(sources);
         let mut out = Vec::new();
         for diagnostic in diagnostics {
-            let shown = match files.can_show(diagnostic) {
-                true => report(diagnostic, &mut files, &mut out),
-                false => Ok(out.extend_from_slice(in_words(diagnostic, sources).as_bytes())),
-            };
-            if shown.is_err() {
+            let start = out.len();
+            if !files.can_show(diagnostic) || report(diagnostic, &mut files, &mut out).is_err() {
+                out.truncate(start);
                 out.extend_from_slice(in_words(diagnostic, sources).as_bytes());
             }
         }

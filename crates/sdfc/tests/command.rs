@@ -74,7 +74,7 @@ impl Folder {
 impl Run {
     /// It went well, and said nothing.
     #[track_caller]
-    fn is_quiet(self) -> Run {
+    fn succeeds(self) -> Run {
         assert_eq!((self.code, self.err.as_str()), (Some(0), ""));
         self
     }
@@ -263,8 +263,8 @@ fn a_call_must_make_sense() {
 #[test]
 fn help_and_version_are_asked_for() {
     let folder = Folder::new(&[]);
-    assert!(folder.run("--help").is_quiet().text().contains("Usage: sdfc"));
-    assert_eq!(folder.run("--version").is_quiet().text(), format!("sdfc {}\n", env!("CARGO_PKG_VERSION")));
+    assert!(folder.run("--help").succeeds().text().contains("Usage: sdfc"));
+    assert_eq!(folder.run("--version").succeeds().text(), format!("sdfc {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
@@ -273,15 +273,15 @@ fn each_target_is_written() {
     for (name, part) in
         [("a.glsl", "void mainImage("), ("a.frag", "#version 300 es"), ("a.wgsl", "fn fs_main(")]
     {
-        let run = folder.run(&format!("scene.sdf -o {name}")).is_quiet();
+        let run = folder.run(&format!("scene.sdf -o {name}")).succeeds();
         assert!(run.out.is_empty());
         let text = String::from_utf8(folder.read(name)).unwrap();
         assert!(text.contains(part), "{text}");
         assert!(text.contains("A scene of 2 shapes, compiled by sdfc"), "{text}");
     }
-    folder.run("scene.sdf -o A.WGSL").is_quiet();
+    folder.run("scene.sdf -o A.WGSL").succeeds();
     assert_eq!(folder.read("A.WGSL"), folder.read("a.wgsl"));
-    folder.run("scene.sdf -o a.txt --target frag").is_quiet();
+    folder.run("scene.sdf -o a.txt --target frag").succeeds();
     assert_eq!(folder.read("a.txt"), folder.read("a.frag"));
     assert_eq!(folder.names(), ["A.WGSL", "a.frag", "a.glsl", "a.txt", "a.wgsl", "scene.sdf"]);
 }
@@ -289,15 +289,15 @@ fn each_target_is_written() {
 #[test]
 fn a_dash_is_standard_input_and_output() {
     let folder = Folder::with_scene();
-    folder.run("scene.sdf -o a.glsl").is_quiet();
+    folder.run("scene.sdf -o a.glsl").succeeds();
     let file = folder.read("a.glsl");
-    assert_eq!(folder.run("scene.sdf --target glsl").is_quiet().out, file);
-    assert_eq!(folder.run("scene.sdf -o - --target glsl").is_quiet().out, file);
-    assert_eq!(folder.run_with("- --target glsl", SCENE.as_bytes()).is_quiet().out, file);
+    assert_eq!(folder.run("scene.sdf --target glsl").succeeds().out, file);
+    assert_eq!(folder.run("scene.sdf -o - --target glsl").succeeds().out, file);
+    assert_eq!(folder.run_with("- --target glsl", SCENE.as_bytes()).succeeds().out, file);
     let picture = "--device cpu --size 8x8 -o";
-    folder.run(&format!("render scene.sdf {picture} a.png")).is_quiet();
+    folder.run(&format!("render scene.sdf {picture} a.png")).succeeds();
     assert_eq!(
-        folder.run_with(&format!("render - {picture} -"), SCENE.as_bytes()).is_quiet().out,
+        folder.run_with(&format!("render - {picture} -"), SCENE.as_bytes()).succeeds().out,
         folder.read("a.png")
     );
     folder.run_with("- -o b.wgsl", b"scene { nowhere }").fails(1, &["<stdin>:1:9"]);
@@ -313,20 +313,20 @@ fn the_same_input_gives_the_same_bytes() {
         "scene.sdf --emit tokens,ast,ir,total,cost",
         "render scene.sdf -o - --device cpu --size 16x9",
     ] {
-        let first = folder.run(arguments).is_quiet().out;
+        let first = folder.run(arguments).succeeds().out;
         assert!(!first.is_empty());
-        assert_eq!(folder.run(arguments).is_quiet().out, first, "{arguments}");
+        assert_eq!(folder.run(arguments).succeeds().out, first, "{arguments}");
     }
 }
 
 #[test]
 fn a_param_that_is_set_is_a_constant() {
     let folder = Folder::with_scene();
-    let free = folder.run("scene.sdf --target frag").is_quiet();
+    let free = folder.run("scene.sdf --target frag").succeeds();
     assert!(free.text().contains("u_spin"), "{}", free.text());
-    let frozen = folder.run("scene.sdf --target frag --set spin=0.5").is_quiet();
+    let frozen = folder.run("scene.sdf --target frag --set spin=0.5").succeeds();
     assert!(!frozen.text().contains("spin"), "{}", frozen.text());
-    let last = folder.run("scene.sdf --target frag --set spin=3 --set spin=0.5").is_quiet();
+    let last = folder.run("scene.sdf --target frag --set spin=3 --set spin=0.5").succeeds();
     assert_eq!(last.out, frozen.out);
 }
 
@@ -334,7 +334,7 @@ fn a_param_that_is_set_is_a_constant() {
 fn stages_are_printed() {
     let folder = Folder::with_scene();
     let print =
-        |stages: &str| folder.run(&format!("scene.sdf --emit {stages}")).is_quiet().text().to_string();
+        |stages: &str| folder.run(&format!("scene.sdf --emit {stages}")).succeeds().text().to_string();
     assert!(print("tokens").starts_with("0..5         param\n"), "{}", print("tokens"));
     assert!(print("ast").starts_with("(param spin 1 0 4)\n"), "{}", print("ast"));
     assert!(print("ir").starts_with("uniform u0 "), "{}", print("ir"));
@@ -344,7 +344,7 @@ fn stages_are_printed() {
     assert!(print("cost").starts_with("operations of one evaluation of the distance"), "{}", print("cost"));
     assert_eq!(print("tokens,cost"), format!("== tokens\n{}== cost\n{}", print("tokens"), print("cost")));
     assert_eq!(folder.names(), ["scene.sdf"]);
-    let both = folder.run("scene.sdf --emit cost -o a.wgsl").is_quiet();
+    let both = folder.run("scene.sdf --emit cost -o a.wgsl").succeeds();
     assert_eq!(both.text(), print("cost"));
     assert!(!folder.read("a.wgsl").is_empty());
 }
@@ -372,7 +372,7 @@ fn decode(file: &[u8]) -> (u32, u32, Vec<u8>, Vec<(String, String)>) {
 fn a_picture_is_drawn_on_the_cpu() {
     let folder = Folder::with_scene();
     let run =
-        folder.run("render scene.sdf -o a.png --device cpu --size 32x18 --time 2 --set spin=0.5").is_quiet();
+        folder.run("render scene.sdf -o a.png --device cpu --size 32x18 --time 2 --set spin=0.5").succeeds();
     assert!(run.out.is_empty());
     let (width, height, rgba, texts) = decode(&folder.read("a.png"));
     assert_eq!((width, height, rgba.len()), (32, 18, 4 * 32 * 18));
@@ -424,7 +424,7 @@ fn timings_go_to_standard_error() {
     for stage in ["read", "parse and elaborate", "legalise", "write and validate", "save", "total"] {
         assert!(run.err.lines().any(|line| line.starts_with(stage) && line.ends_with(" ms")), "{}", run.err);
     }
-    assert_eq!(run.out, folder.run("scene.sdf --target wgsl").is_quiet().out);
+    assert_eq!(run.out, folder.run("scene.sdf --target wgsl").succeeds().out);
 }
 
 #[test]
@@ -459,23 +459,23 @@ fn an_output_is_a_file_like_any_other() {
     let folder = Folder::with_scene();
     let mode = |name: &str| fs::metadata(folder.path(name)).unwrap().permissions().mode() & 0o777;
     fs::write(folder.path("usual"), "").unwrap();
-    folder.run("scene.sdf -o new.wgsl").is_quiet();
+    folder.run("scene.sdf -o new.wgsl").succeeds();
     assert_eq!(mode("new.wgsl"), mode("usual"));
     // One that is there keeps its permissions, and a link stays a link.
     fs::set_permissions(folder.path("usual"), fs::Permissions::from_mode(0o640)).unwrap();
     symlink("usual", folder.path("link.wgsl")).unwrap();
-    folder.run("scene.sdf -o link.wgsl").is_quiet();
+    folder.run("scene.sdf -o link.wgsl").succeeds();
     assert!(fs::symlink_metadata(folder.path("link.wgsl")).unwrap().is_symlink());
     assert_eq!((mode("usual"), folder.read("usual")), (0o640, folder.read("new.wgsl")));
     // What is no file is written as it is.
-    folder.run("scene.sdf -o /dev/null --target wgsl").is_quiet();
+    folder.run("scene.sdf -o /dev/null --target wgsl").succeeds();
     assert_eq!(fs::metadata("/dev/null").unwrap().mode() & 0o170_000, 0o020_000);
 }
 
 #[test]
 fn a_file_is_replaced_only_by_a_whole_one() {
     let folder = Folder::with_scene();
-    folder.run("scene.sdf -o a.wgsl").is_quiet();
+    folder.run("scene.sdf -o a.wgsl").succeeds();
     let before = folder.read("a.wgsl");
     fs::write(folder.path("scene.sdf"), "scene { sphear(1) }").unwrap();
     folder.run("scene.sdf -o a.wgsl").fails(1, &["sphear"]);

@@ -1,0 +1,10 @@
+//! What scenes mean: each suite compiles scenes and runs the programs in `f64`.
+
+mod attributes;
+mod limits;
+mod materials;
+mod operators;
+mod scene;
+mod shapes;
+mod structure;
+mod values;

@@ -32,9 +32,9 @@ impl Field {
         Field { distance, gradient }
     }
 
-    /// That of an expression, which may jump.
+    /// That of an expression that is a shape.
     pub fn of_expression(expression: &str) -> Field {
-        let text = format!("@lipschitz(1e6)\nlet subject = {expression}\nscene {{ subject }}\n");
+        let text = format!("let subject = {expression}\nscene {{ subject }}\n");
         Field::of(expression, &text)
     }
 }

@@ -139,8 +139,7 @@ const CALLS: &[(&str, &[&str])] = &[
         ],
     ),
     ("twist", &["box((0.5, 0.9, 0.2)).at(0.3, 0.2, -0.1).twist(1.1)"]),
-    ("nearest_two", &["field { nearest_two(p.x, 1.5).next + p.y }"]),
-    ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }"]),
+    ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }", "field { sum(cells(p.x, false)) + p.y }"]),
     (
         "repeat",
         &[

@@ -46,6 +46,8 @@ pub struct Options {
     /// Params that are frozen, by name, with their values as written: they become constants, and what they make
     /// zero is not called for.
     pub set: Vec<(String, String)>,
+    /// Whether the scene is to have a [`probe`](Scene::probe).
+    pub probe: bool,
 }
 
 /// What came of a file.
@@ -76,6 +78,10 @@ pub struct Scene {
     pub program: Program,
     /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
     pub map: Option<FunctionId>,
+    /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3` of what a pixel shows, if it
+    /// was asked for: the distance from the eye (-1 where there is nothing), the surface's normal and colour, and
+    /// the light that arrives there. The entry does not call it, so no text has it.
+    pub probe: Option<FunctionId>,
     /// What was compiled in, for the header of the emitted text.
     pub summary: Summary,
 }

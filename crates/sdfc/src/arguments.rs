@@ -115,7 +115,7 @@ pub struct SetArguments {
 impl SetArguments {
     /// The options of the compiler that this means.
     pub fn options(&self) -> Options {
-        Options { set: self.values.clone() }
+        Options { set: self.values.clone(), ..Options::default() }
     }
 }
 

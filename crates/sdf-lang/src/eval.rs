@@ -523,7 +523,8 @@ impl<'t> Elaborator<'t> {
     fn joined(&mut self, a: &Value<'t>, b: &Value<'t>, span: Span) -> Eval<Value<'t>> {
         match (a, b) {
             (Value::Number(x), Value::Number(y))
-                if x.ty == y.ty || (x.ty != Type::Bool && y.ty != Type::Bool && x.ty.min(y.ty) == Type::Float) =>
+                if x.ty == y.ty
+                    || (x.ty != Type::Bool && y.ty != Type::Bool && x.ty.min(y.ty) == Type::Float) =>
             {
                 let zero = match x.ty.max(y.ty) {
                     Type::Bool => Constant::Bool(false),

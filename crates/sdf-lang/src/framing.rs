@@ -15,12 +15,17 @@ const DEFAULT: ([f64; 3], f64) = ([0.0; 3], 1.732);
 const REACH: f64 = 512.0;
 /// How fine the cells get, as a share of what they cover together.
 const FINEST: f64 = 0.04;
+/// The same for scenes of many parts, where none matters much.
+const FINEST_OF_MANY: f64 = 0.25;
+/// How many parts are many.
+const MANY: usize = 64;
 /// How many cells one level may have.
 const MOST_CELLS: usize = 60_000;
 
 /// A ball round all bounded parts, at time 0 and with the params' defaults: centre and radius.
 pub(crate) fn ball<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> ([f64; 3], f64) {
-    let points: Vec<[f64; 3]> = parts.iter().flat_map(|part| cells(elaborator, part)).collect();
+    let finest = if parts.len() < MANY { FINEST } else { FINEST_OF_MANY };
+    let points: Vec<[f64; 3]> = parts.iter().flat_map(|part| cells(elaborator, part, finest)).collect();
     if points.is_empty() {
         return DEFAULT;
     }
@@ -37,7 +42,7 @@ fn round(x: f64) -> f64 {
 }
 
 /// The centres of small cells in which the surface or the inside of a shape may be; none if it is unbounded.
-fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Vec<[f64; 3]> {
+fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>, finest: f64) -> Vec<[f64; 3]> {
     let Some(field) = Field::new(elaborator, shape) else { return Vec::new() };
     let mut machine = Machine::<f64>::new(&field.tape);
     let mut half = REACH;
@@ -72,7 +77,7 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Vec<[f64
                 all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
             })
             .fold(0.0, f64::max);
-        if (half <= REACH / 8.0 && half <= FINEST * extent) || half < 1e-6 {
+        if (half <= REACH / 8.0 && half <= finest * extent) || half < 1e-6 {
             return cells;
         }
     }

@@ -4,8 +4,8 @@ use crate::builtin;
 use crate::errors;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
-    Scene, SettingsKind,
+    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name,
+    Parameter, PostfixKind, Record, Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 use std::collections::HashMap;

@@ -19,15 +19,24 @@ fn requirements_are_checked_at_the_call() {
     check(&format!("{THIN}scene {{ 0.thread() }}"), &[said]);
     check(&format!("{THIN}scene {{ for i in 0..3 {{ thread(i - 1) }} }}"), &[said]);
     check(&format!("{THIN}param r = 1 in 0..2 scene {{ thread(r) }}"), &[]);
-    check("@requires(b > a, \"in order\") fn f(a, b = a + 1) = b scene { sphere(f(1)), sphere(f(1, 0.5)) }", &["E043: in order; "]);
-    check("@requires(n > 2, \"more\") @requires(n < 5, \"fewer\") fn f(n) = n let a = f(3) let b = f(1) let c = f(7)", &["E043: more; ", "E043: fewer; "]);
+    check(
+        "@requires(b > a, \"in order\") fn f(a, b = a + 1) = b scene { sphere(f(1)), sphere(f(1, 0.5)) }",
+        &["E043: in order; "],
+    );
+    check(
+        "@requires(n > 2, \"more\") @requires(n < 5, \"fewer\") fn f(n) = n let a = f(3) let b = f(1) let c = f(7)",
+        &["E043: more; ", "E043: fewer; "],
+    );
     check("@requires(limit > 3, \"too small\") let limit = 2", &["E043: too small; "]);
     check("@requires(limit > 1, \"too small\") let limit = 2", &[]);
 }
 
 #[test]
 fn the_library_requires_what_its_shapes_need() {
-    check("scene { polygon([(0, 0), (1, 0)]).extrude(1) }", &["E043: a polygon needs three points or more; "]);
+    check(
+        "scene { polygon([(0, 0), (1, 0)]).extrude(1) }",
+        &["E043: a polygon needs three points or more; "],
+    );
     check("scene { polygon([]).extrude(1) }", &["E043: a polygon needs three points or more; "]);
     check("scene { polygon([(0, 0), (1, 0), (0, 1)]).extrude(1) }", &[]);
     check("scene { smin(k: 0.1) }", &["E043: nothing to blend; "]);
@@ -51,14 +60,19 @@ fn attributes_that_mean_nothing_are_mistakes() {
     check("@exat fn f() = 1", &["E020: there is no attribute `@exat`; did you mean `@exact`?"]);
     check(
         "@inline fn f() = 1",
-        &["E020: there is no attribute `@inline`; the attributes are @exact, @bound, @lipschitz, @bounds, @requires"],
+        &[
+            "E020: there is no attribute `@inline`; the attributes are @exact, @bound, @lipschitz, @bounds, @requires",
+        ],
     );
-    check("@bound light sun { direction: y }", &["E063: an attribute stands before a `fn` or a `let`; remove it"]);
+    check(
+        "@bound light sun { direction: y }",
+        &["E063: an attribute stands before a `fn` or a `let`; remove it"],
+    );
     let wrong = "E032: `@requires` takes a condition and a message; \
                  write for example `@requires(r > 0, \"the radius must be positive\")`";
     check("@requires(r > 0) fn f(r) = r", &[wrong]);
     check("@requires fn f(r) = r", &[wrong]);
     check("@requires(\"text\", r > 0) fn f(r) = r", &[wrong]);
-    check("@requires(q > 0, \"text\") fn f(r) = r", &["E020: nothing is called `q`; "]);
+    check("@requires(quantity > 0, \"text\") fn f(r) = r", &["E020: nothing is called `quantity`; "]);
     check("@requires(r, \"text\") fn f(r) = r let a = f(1)", &["E030: this is a float, not a bool; "]);
 }

@@ -105,7 +105,11 @@ fn blends_mix_with_their_weights() {
         let first = if d <= e { 1.0 - h } else { h };
         check(&[
             ("smin(a.paint(red), b.paint(green), k: 0.5)", p, [first, 1.0 - first, 0.0]),
-            ("smin(a.paint(red), b, k: 0.5)", p, [first + 0.8 * (1.0 - first), 0.8 * (1.0 - first), 0.8 * (1.0 - first)]),
+            (
+                "smin(a.paint(red), b, k: 0.5)",
+                p,
+                [first + 0.8 * (1.0 - first), 0.8 * (1.0 - first), 0.8 * (1.0 - first)],
+            ),
             ("smin(a.paint(red), b, k: 0.5).paint(blue)", p, [first, 0.0, 1.0 - first]),
         ]);
     }
@@ -129,7 +133,11 @@ fn materials_live_in_the_frame_of_what_is_painted() {
         ("a.paint(facing).rotate_z(90deg)", [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]),
         ("a.paint(facing).at(0, 0, 5)", [0.0, 2.0, 5.0], [0.0, 1.0, 0.0]),
         ("a.paint(facing).repeat(x: 3)", [3.0, 2.0, 0.0], [0.0, 1.0, 0.0]),
-        ("(a.paint(place).at(1, 0, 0) | b.paint(red).at(5, 0, 0)).rotate_y(180deg)", [-1.5, 0.0, 0.0], [0.5, 0.0, 0.0]),
+        (
+            "(a.paint(place).at(1, 0, 0) | b.paint(red).at(5, 0, 0)).rotate_y(180deg)",
+            [-1.5, 0.0, 0.0],
+            [0.5, 0.0, 0.0],
+        ),
     ]);
 }
 

@@ -53,7 +53,9 @@ fn turned(a: f64, b: f64, angle: f64) -> (f64, f64) {
 fn about(p: Point, axis: Point, angle: f64) -> Point {
     let (s, w) = ((angle / 2.0).sin() / length(axis), (angle / 2.0).cos());
     let u = axis.map(|x| x * s);
-    let cross = |a: Point, b: Point| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let cross = |a: Point, b: Point| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
     let t = cross(u, p).map(|x| 2.0 * x);
     let v = cross(u, t);
     std::array::from_fn(|i| p[i] + w * t[i] + v[i])
@@ -97,7 +99,9 @@ fn places() {
         ("lump.rotate_z(90deg).at(1, 0, 0)", |[x, y, z]| lump([y, 1.0 - x, z])),
         ("lump.scale(2)", |p| 2.0 * lump(p.map(|x| x / 2.0))),
         ("lump.scale((2, 1, 0.5))", |[x, y, z]| 0.5 * lump([x / 2.0, y, z / 0.5])),
-        ("flat.at(0.2, -0.3).rotate(90deg).extrude(9)", |[x, y, z]| flat([y - 0.2, -x + 0.3]).max(z.abs() - 9.0)),
+        ("flat.at(0.2, -0.3).rotate(90deg).extrude(9)", |[x, y, z]| {
+            flat([y - 0.2, -x + 0.3]).max(z.abs() - 9.0)
+        }),
         ("flat.scale(2).extrude(9)", |[x, y, z]| (2.0 * flat([x / 2.0, y / 2.0])).max(z.abs() - 9.0)),
     ]);
 }
@@ -229,7 +233,8 @@ fn blends() {
         ("sdiff(lump, other, k: 0)", |p| lump(p).max(-other(p))),
     ]);
     let frozen = Field::of_shape(LUMP, "smin(lump, other, third, k: 0.4)");
-    let changing = Field::of_shape(&format!("{LUMP} param k = 0.4 in 0..1"), "smin(lump, other, third, k: k)");
+    let changing =
+        Field::of_shape(&format!("{LUMP} param k = 0.4 in 0..1"), "smin(lump, other, third, k: k)");
     for p in points(200, 2.0) {
         assert!((frozen.at(p) - changing.at(p)).abs() < 1e-9, "a width that changes, at {p:?}");
     }
@@ -279,7 +284,9 @@ fn operators_of_ones_own() {
     );
     let cases: &[Case] = &[
         ("lump.hollow(0.1)", |p| lump(p).abs() - 0.1),
-        ("lump.row(3, 0.9)", |[x, y, z]| (0..3).map(|i| lump([x - 0.9 * f64::from(i), y, z])).fold(9e9, f64::min)),
+        ("lump.row(3, 0.9)", |[x, y, z]| {
+            (0..3).map(|i| lump([x - 0.9 * f64::from(i), y, z])).fold(9e9, f64::min)
+        }),
         ("lump.pick(2)", lump),
         ("lump.pick(0)", |p| lump(p) - 0.2),
         ("lump.tower(2)", |[x, y, z]| (0..3).map(|i| lump([x, y - f64::from(i), z])).fold(9e9, f64::min)),

@@ -32,7 +32,10 @@ pub fn scene_set(text: &str, set: &[(&str, &str)]) -> Scene {
 /// The findings about a text, as `code: message; help`, in the order of the source.
 pub fn findings(text: &str) -> Vec<String> {
     let found = compile(text, &[]).diagnostics;
-    found.iter().map(|d| format!("{}: {}; {}", d.code, d.message, d.help.clone().unwrap_or_default())).collect()
+    found
+        .iter()
+        .map(|d| format!("{}: {}; {}", d.code, d.message, d.help.clone().unwrap_or_default()))
+        .collect()
 }
 
 /// The defaults of all uniforms.

@@ -41,7 +41,9 @@ const EXACT: &[Solid] = &[
     ("circle(0.5).extrude(0.3)", |[x, y, z]| norm2(x, y) < 0.5 && z.abs() < 0.3),
     ("rect(0.3, 0.6).extrude(0.4)", |[x, y, z]| x.abs() < 0.3 && y.abs() < 0.6 && z.abs() < 0.4),
     ("circle(0.2).revolve(0.6)", |[x, y, z]| norm2(norm2(x, z) - 0.6, y) < 0.2),
-    ("rect(0.2, 0.5).at(0.5, 0.1).revolve()", |[x, y, z]| (norm2(x, z) - 0.5).abs() < 0.2 && (y - 0.1).abs() < 0.5),
+    ("rect(0.2, 0.5).at(0.5, 0.1).revolve()", |[x, y, z]| {
+        (norm2(x, z) - 0.5).abs() < 0.2 && (y - 0.1).abs() < 0.5
+    }),
     ("polygon([(-0.6, -0.4), (0.7, -0.5), (0.1, 0.0), (0.3, 0.8)]).extrude(0.4)", |[x, y, z]| {
         z.abs() < 0.4 && in_polygon(&[(-0.6, -0.4), (0.7, -0.5), (0.1, 0.0), (0.3, 0.8)], x, y)
     }),
@@ -104,7 +106,12 @@ fn exact_fields_are_the_distance() {
             let beyond = [-2e-3, 2e-3].map(|more| inside(moved(*p, *g, -d + more)));
             assert!(!beyond[1], "{shape} at {p:?}: {d} is too far");
         }
-        assert!(feet * 10 > outside.len() * 9, "{shape} has ridges at {} of {} points", outside.len() - feet, outside.len());
+        assert!(
+            feet * 10 > outside.len() * 9,
+            "{shape} has ridges at {} of {} points",
+            outside.len() - feet,
+            outside.len()
+        );
         // Between any two points the field changes by no more than their distance.
         for (p, q) in points.iter().zip(points.iter().rev()) {
             let apart = length(std::array::from_fn(|i| p[i] - q[i]));
@@ -120,9 +127,12 @@ fn exact_fields_are_the_distance() {
 /// The distance itself, by the nearest of many points of the surface.
 #[test]
 fn distances_are_those_to_the_nearest_point_of_the_surface() {
-    let circle = |n: i32| (0..n).map(move |i| (f64::from(i) / f64::from(n) * std::f64::consts::TAU).sin_cos());
+    let circle =
+        |n: i32| (0..n).map(move |i| (f64::from(i) / f64::from(n) * std::f64::consts::TAU).sin_cos());
     let torus: Vec<Point> = circle(400)
-        .flat_map(|(s, c)| circle(200).map(move |(u, v)| [(0.8 + 0.25 * v) * c, 0.25 * u, (0.8 + 0.25 * v) * s]))
+        .flat_map(|(s, c)| {
+            circle(200).map(move |(u, v)| [(0.8 + 0.25 * v) * c, 0.25 * u, (0.8 + 0.25 * v) * s])
+        })
         .collect();
     let share = |i: i32| f64::from(i) / 200.0;
     let cone: Vec<Point> = circle(400)
@@ -136,7 +146,8 @@ fn distances_are_those_to_the_nearest_point_of_the_surface() {
     for (shape, surface) in [("torus(0.8, 0.25)", torus), ("cone(0.5, 0.8)", cone)] {
         let field = Field::of_shape("", shape);
         for p in points(60, 1.4) {
-            let nearest = surface.iter().map(|q| length(std::array::from_fn(|i| p[i] - q[i]))).fold(9.0, f64::min);
+            let nearest =
+                surface.iter().map(|q| length(std::array::from_fn(|i| p[i] - q[i]))).fold(9.0, f64::min);
             let d = field.at(p).abs();
             assert!((d - nearest).abs() < 0.005, "{shape} at {p:?} is {d} and not {nearest}");
         }
@@ -147,7 +158,9 @@ fn distances_are_those_to_the_nearest_point_of_the_surface() {
 #[test]
 fn bounds_are_never_too_far() {
     let solids: &[Solid] = &[
-        ("box(0.3, 0.5, 0.4).scale((2, 1, 0.5))", |[x, y, z]| x.abs() < 0.6 && y.abs() < 0.5 && z.abs() < 0.2),
+        ("box(0.3, 0.5, 0.4).scale((2, 1, 0.5))", |[x, y, z]| {
+            x.abs() < 0.6 && y.abs() < 0.5 && z.abs() < 0.2
+        }),
         ("box(0.6) - sphere(0.5).at(0.5, 0.4, 0.3)", |[x, y, z]| {
             [x, y, z].iter().all(|c| c.abs() < 0.6) && length([x - 0.5, y - 0.4, z - 0.3]) > 0.5
         }),
@@ -183,7 +196,8 @@ fn an_ellipsoid_has_the_right_sign_and_is_near_the_distance() {
         .map(|[x, y, z]| [a * x, b * y, c * z])
         .collect();
     for (p, d) in points.iter().zip(&distances).filter(|(_, d)| **d > 0.0).take(100) {
-        let nearest = surface.iter().map(|q| length(std::array::from_fn(|i| p[i] - q[i]))).fold(9.0, f64::min);
+        let nearest =
+            surface.iter().map(|q| length(std::array::from_fn(|i| p[i] - q[i]))).fold(9.0, f64::min);
         assert!(*d <= nearest * 1.2 + 0.01 && *d >= nearest * 0.4, "at {p:?} it is {d} and not {nearest}");
     }
     assert!((field.at([0.0; 3]) + 0.4).abs() < 1e-9);
@@ -193,18 +207,45 @@ fn an_ellipsoid_has_the_right_sign_and_is_near_the_distance() {
 #[test]
 fn degenerate_sizes_are_finite() {
     let shapes = [
-        "sphere(SIZE)", "box(SIZE)", "box(1, SIZE, 1)", "round_box(1, SIZE)", "round_box(SIZE, 0.5)", "torus(SIZE, SIZE)",
-        "cylinder(SIZE, 1)", "cylinder(1, SIZE)", "capsule((0, 0, 0), (SIZE, 0, 0), 0.1)", "capsule(0, 1, SIZE)", "cone(SIZE, 1)",
-        "cone(1, SIZE)", "cone(SIZE, SIZE)", "ellipsoid(SIZE)", "ellipsoid(1, SIZE, 1)", "octahedron(SIZE)", "plane((0, SIZE, 0))",
-        "circle(SIZE).extrude(SIZE)", "rect(SIZE, 1).extrude(1)", "circle(1).revolve(SIZE)", "sphere(1).scale(SIZE)",
-        "sphere(1).scale((1, SIZE, 1))", "sphere(1).round(SIZE)", "sphere(1).shell(SIZE)", "sphere(1).elongate(SIZE)",
-        "sphere(1).rotate((0, SIZE, 0), 1)", "sphere(1).mirror((SIZE, 0, 0))", "sphere(1).twist(SIZE)", "sphere(1).repeat(x: SIZE)",
-        "smin(sphere(1), box(1), k: SIZE)", "polygon([(SIZE, 0), (0, 0), (0, SIZE)]).extrude(1)",
+        "sphere(SIZE)",
+        "box(SIZE)",
+        "box(1, SIZE, 1)",
+        "round_box(1, SIZE)",
+        "round_box(SIZE, 0.5)",
+        "torus(SIZE, SIZE)",
+        "cylinder(SIZE, 1)",
+        "cylinder(1, SIZE)",
+        "capsule((0, 0, 0), (SIZE, 0, 0), 0.1)",
+        "capsule(0, 1, SIZE)",
+        "cone(SIZE, 1)",
+        "cone(1, SIZE)",
+        "cone(SIZE, SIZE)",
+        "ellipsoid(SIZE)",
+        "ellipsoid(1, SIZE, 1)",
+        "octahedron(SIZE)",
+        "plane((0, SIZE, 0))",
+        "circle(SIZE).extrude(SIZE)",
+        "rect(SIZE, 1).extrude(1)",
+        "circle(1).revolve(SIZE)",
+        "sphere(1).scale(SIZE)",
+        "sphere(1).scale((1, SIZE, 1))",
+        "sphere(1).round(SIZE)",
+        "sphere(1).shell(SIZE)",
+        "sphere(1).elongate(SIZE)",
+        "sphere(1).rotate((0, SIZE, 0), 1)",
+        "sphere(1).mirror((SIZE, 0, 0))",
+        "sphere(1).twist(SIZE)",
+        "sphere(1).repeat(x: SIZE)",
+        "smin(sphere(1), box(1), k: SIZE)",
+        "polygon([(SIZE, 0), (0, 0), (0, SIZE)]).extrude(1)",
     ];
     for shape in shapes {
         for size in ["0", "-1", "1e-30", "1e18"] {
             for how in ["let size = SIZE", "param size = SIZE in -1..1e18"] {
-                let field = Field::of_shape(&how.replace("SIZE", size), &format!("{}, sphere(1).at(0, 99, 0)", shape.replace("SIZE", "size")));
+                let field = Field::of_shape(
+                    &how.replace("SIZE", size),
+                    &format!("{}, sphere(1).at(0, 99, 0)", shape.replace("SIZE", "size")),
+                );
                 for p in points(20, 3.0).into_iter().chain([[0.0; 3], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) {
                     let d = field.at(p);
                     assert!(d.is_finite(), "{shape} with {how} of {size} is {d} at {p:?}");

@@ -45,17 +45,23 @@ impl<'p> Reached<'p> {
     }
 }
 
-/// All nodes of a function that its results, branches and loops need, leaves included.
+/// All nodes of a function, each once, and the leaves that they use.
 fn nodes(function: &Function) -> Vec<Node> {
     let mut out = Vec::new();
     for region in (0..function.region_count()).map(|i| function.region(sdf_ir::RegionId(i as u32))) {
         for value in &region.body {
             out.push(function.node(*value));
-            function.operands(*value, |v: Value| out.push(function.node(v)));
+            let mut used = Vec::new();
+            function.operands(*value, |v: Value| used.push(v));
+            out.extend(used.into_iter().map(|v| function.node(v)).filter(is_leaf));
         }
-        out.extend(region.results.iter().map(|v| function.node(*v)));
+        out.extend(region.results.iter().map(|v| function.node(*v)).filter(is_leaf));
     }
     out
+}
+
+fn is_leaf(node: &Node) -> bool {
+    matches!(node, Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_))
 }
 
 fn nodes_of(scene: &Scene, name: &str) -> Vec<Node> {
@@ -73,7 +79,8 @@ fn what_a_file_names_stays_a_function_of_its_name() {
         scene { core.twist(1), pillar(0.2, 2).at(3, 0, 0), pillar(0.1, 1).at(-3, 0, 0), ring.hollow(0.02) }";
     let scene = scene(text);
     let reached = Reached::of(&scene);
-    for name in ["map", "core", "pillar", "ring", "hollow", "sd_cylinder", "sd_torus", "sd_box", "sd_sphere"] {
+    for name in ["map", "core", "pillar", "ring", "hollow", "sd_cylinder", "sd_torus", "sd_box", "sd_sphere"]
+    {
         assert_eq!(reached.count(name), 1, "`{name}` among {:?}", reached.names());
     }
     let pillar = scene.program.function(scene.program.function_named("pillar").unwrap());
@@ -86,7 +93,9 @@ fn what_a_file_names_stays_a_function_of_its_name() {
 
 #[test]
 fn a_thousand_spheres_share_one_function() {
-    let scene = scene("scene { for i in 0..1000 { sphere(0.1 + i / 5000).at(i % 10, floor(i / 10) % 10, floor(i / 100)) } }");
+    let scene = scene(
+        "scene { for i in 0..1000 { sphere(0.1 + i / 5000).at(i % 10, floor(i / 10) % 10, floor(i / 100)) } }",
+    );
     let reached = Reached::of(&scene);
     assert_eq!(reached.count("sd_sphere"), 1);
     let calls = nodes_of(&scene, "map").into_iter().filter(|n| matches!(n, Node::Call(..))).count();
@@ -119,9 +128,15 @@ fn what_changes_once_a_frame_is_computed_once_a_frame() {
                 function.operands(*value, |v| operands.push(function.node(v)));
                 let of_frame = |n: &Node| matches!(n, Node::Uniform(_) | Node::Global(_) | Node::Float(_));
                 let only = !operands.is_empty() && operands.iter().all(of_frame);
-                let calculates = matches!(function.node(*value), Node::Unary(..) | Node::Binary(..) | Node::Ternary(..));
+                let calculates =
+                    matches!(function.node(*value), Node::Unary(..) | Node::Binary(..) | Node::Ternary(..));
                 let constant = operands.iter().all(|n| matches!(n, Node::Float(_)));
-                assert!(!(only && calculates && !constant), "{:?} in `{}`", function.node(*value), function.name);
+                assert!(
+                    !(only && calculates && !constant),
+                    "{:?} in `{}`",
+                    function.node(*value),
+                    function.name
+                );
             }
         }
     }
@@ -132,9 +147,24 @@ fn what_changes_once_a_frame_is_computed_once_a_frame() {
 fn effects_are_in_the_program_only_where_they_are_called_for() {
     let light = "light sun { direction: (1, 2, 3), SHADOW }";
     let rows = [
-        (light.replace("SHADOW", "shadow: hard"), light.replace(", SHADOW", ""), "hard_shadow", "hard shadow"),
-        (light.replace("SHADOW", "shadow: soft(8)"), light.replace(", SHADOW", ""), "soft_shadow", "soft shadow"),
-        (light.replace("SHADOW", "shadow: soft(8)"), light.replace("SHADOW", "shadow: hard"), "soft_shadow", "soft shadow"),
+        (
+            light.replace("SHADOW", "shadow: hard"),
+            light.replace(", SHADOW", ""),
+            "hard_shadow",
+            "hard shadow",
+        ),
+        (
+            light.replace("SHADOW", "shadow: soft(8)"),
+            light.replace(", SHADOW", ""),
+            "soft_shadow",
+            "soft shadow",
+        ),
+        (
+            light.replace("SHADOW", "shadow: soft(8)"),
+            light.replace("SHADOW", "shadow: hard"),
+            "soft_shadow",
+            "soft shadow",
+        ),
         ("ambient { occlusion: 1 }".into(), "ambient { occlusion: 0 }".into(), "occlusion", "occlusion"),
         ("material m { glow: (1, 0, 0) }".into(), "material m { glow: 0 }".into(), "glow", "glow"),
         (String::new(), "render { relax: none }".into(), "relaxed_step", "relaxation"),
@@ -173,8 +203,15 @@ fn uniforms_are_there_only_where_something_needs_them() {
     assert_eq!(Reached::of(&scene_set(param, &[])).count("occlusion"), 1);
     assert_eq!(Reached::of(&scene_set(param, &[("k", "2")])).count("occlusion"), 1);
     assert_eq!(Reached::of(&scene_set(param, &[("k", "0")])).count("occlusion"), 0);
-    let roles: Vec<Role> = scene("param c = #ff0000 param on = true param k = 1 in -1..2
-        scene { sphere(if on { k } else { time }).paint(c) }").program.uniforms.iter().map(|u| u.role).collect();
+    let roles: Vec<Role> = scene(
+        "param c = #ff0000 param on = true param k = 1 in -1..2
+        scene { sphere(if on { k } else { time }).paint(c) }",
+    )
+    .program
+    .uniforms
+    .iter()
+    .map(|u| u.role)
+    .collect();
     for role in [
         Role::Param { range: None, color: true },
         Role::Param { range: None, color: false },
@@ -192,7 +229,9 @@ fn the_plainest_scene_has_no_more_than_it_needs() {
     let text = "light sun { direction: (1, 2, 3) } render { relax: none } scene { sphere(1) }";
     let scene = scene(text);
     let names = Reached::of(&scene).names().into_iter().map(String::from).collect::<Vec<_>>();
-    for absent in ["hard_shadow", "soft_shadow", "shadow", "occlusion", "glow", "glow_sample", "relaxed_step", "sky"] {
+    for absent in
+        ["hard_shadow", "soft_shadow", "shadow", "occlusion", "glow", "glow_sample", "relaxed_step", "sky"]
+    {
         assert!(!names.iter().any(|n| n == absent), "`{absent}` among {names:?}");
     }
 }

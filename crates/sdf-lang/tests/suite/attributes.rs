@@ -73,6 +73,6 @@ fn attributes_that_mean_nothing_are_mistakes() {
     check("@requires(r > 0) fn f(r) = r", &[wrong]);
     check("@requires fn f(r) = r", &[wrong]);
     check("@requires(\"text\", r > 0) fn f(r) = r", &[wrong]);
-    check("@requires(q > 0, \"text\") fn f(r) = r", &["E020: nothing is called `q`; "]);
+    check("@requires(quantity > 0, \"text\") fn f(r) = r", &["E020: nothing is called `quantity`; "]);
     check("@requires(r, \"text\") fn f(r) = r let a = f(1)", &["E030: this is a float, not a bool; "]);
 }

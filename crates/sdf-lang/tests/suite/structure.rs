@@ -45,17 +45,23 @@ impl<'p> Reached<'p> {
     }
 }
 
-/// All nodes of a function that its results, branches and loops need, leaves included.
+/// All nodes of a function, each once, and the leaves that they use.
 fn nodes(function: &Function) -> Vec<Node> {
     let mut out = Vec::new();
     for region in (0..function.region_count()).map(|i| function.region(sdf_ir::RegionId(i as u32))) {
         for value in &region.body {
             out.push(function.node(*value));
-            function.operands(*value, |v: Value| out.push(function.node(v)));
+            let mut used = Vec::new();
+            function.operands(*value, |v: Value| used.push(v));
+            out.extend(used.into_iter().map(|v| function.node(v)).filter(is_leaf));
         }
-        out.extend(region.results.iter().map(|v| function.node(*v)));
+        out.extend(region.results.iter().map(|v| function.node(*v)).filter(is_leaf));
     }
     out
+}
+
+fn is_leaf(node: &Node) -> bool {
+    matches!(node, Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_))
 }
 
 fn nodes_of(scene: &Scene, name: &str) -> Vec<Node> {

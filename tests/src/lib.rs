@@ -1,4 +1,8 @@
 //! Helpers of the suites in `tests/`.
 
+pub mod agreement;
+pub mod fields;
+pub mod glslang;
 pub mod numbers;
 pub mod run;
+pub mod scenes;

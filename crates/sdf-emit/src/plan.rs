@@ -11,6 +11,8 @@ const DEEPEST: u32 = 8;
 const LONGEST: u32 = 16;
 /// About how many characters an expression may have.
 const WIDEST: u32 = 96;
+/// How many nodes a region may have before they stand in the order in which they were made.
+const LONG: usize = 256;
 
 /// How the text of a function is laid out.
 pub(crate) struct Plan {
@@ -155,6 +157,13 @@ impl Schedule<'_> {
                     }
                 },
             }
+        }
+        let order = &mut self.order[region.0 as usize];
+        if order.len() > LONG {
+            // Several results of a long body, each with a chain through all of it, would stand one behind the
+            // other, and everything between them would live from the first to the last. Nodes are made after
+            // what they use, so the order in which they were made works too.
+            order.sort_unstable();
         }
     }
 

@@ -7,6 +7,7 @@
 use crate::build::Builder;
 use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What the references of a copied function to its program become. As it stands, they stay the same.
 pub(crate) trait Links {
@@ -101,6 +102,18 @@ pub(crate) struct Copy<'a> {
     arguments: HashMap<RegionId, Vec<Value>>,
     /// What stands for each node copied so far: one value, or the parts of a tuple.
     copied: Vec<Vec<Value>>,
+    /// The names of the state of loops.
+    argument_names: HashMap<(RegionId, u16), &'a Arc<str>>,
+}
+
+/// The names that the source gives to arguments of regions.
+fn argument_names(source: &Function) -> HashMap<(RegionId, u16), &Arc<str>> {
+    (0..source.node_count() as u32)
+        .filter_map(|i| match (source.node(Value(i)), source.name_of(Value(i))) {
+            (Node::Argument(region, index), Some(name)) => Some(((region, index), name)),
+            _ => None,
+        })
+        .collect()
 }
 
 impl<'a> Copy<'a> {
@@ -112,6 +125,7 @@ impl<'a> Copy<'a> {
             live: live(source),
             arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
             copied: vec![Vec::new(); source.node_count()],
+            argument_names: argument_names(source),
         }
     }
 
@@ -191,7 +205,12 @@ impl<'a> Copy<'a> {
         let [until, next] = [it.until, it.next].map(|region| {
             let types = &source.region(region).arguments;
             let open = builder.open_region(types);
-            let arguments = (0..types.len()).map(|i| builder.argument(open, i as u16)).collect();
+            let arguments: Vec<Value> = (0..types.len()).map(|i| builder.argument(open, i as u16)).collect();
+            for (i, argument) in arguments.iter().enumerate() {
+                if let Some(name) = self.argument_names.get(&(region, i as u16)) {
+                    builder.name(*argument, name);
+                }
+            }
             self.enter(region, arguments);
             let results = self.region(builder, region);
             builder.close_region(results)

@@ -214,12 +214,22 @@ static FUNCTIONS: &[BuiltIn] = &[
             _ => unreachable!("fits"),
         };
         let kind = ShapeKind::Painted { shape: shape.clone(), material };
-        Ok(Value::Shape(Rc::new(Shape { dimension: shape.dimension, kind, painted: true })))
+        Ok(Value::Shape(Rc::new(Shape {
+            dimension: shape.dimension,
+            kind,
+            painted: true,
+            steep: shape.steep,
+        })))
     }),
     function("gradient", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
         let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;
         e.gradient(shape, &point, span)
+    }),
+    function("stride", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
+        let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
+        let point = e.widen(&number(a, 1), Type::Vec3, span)?;
+        e.stride(shape, &point, span).map(Value::Number)
     }),
     function("surface", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };

@@ -208,9 +208,9 @@ impl<'t> Elaborator<'t> {
         match fit(&mut self.contexts, &slot, &given) {
             Ok(fit) => match fit.arguments.into_iter().next().flatten() {
                 Some(Value::Number(n)) => self.widen_row(n, ty, span),
-                _ => self.report(errors::no_fit(span, "a shape", &given.describe(), "", &[signature])),
+                _ => self.report(errors::no_fit(span, "shape", &given.describe(), "", &[signature])),
             },
-            Err(why) => self.report(errors::no_fit(span, "a shape", &given.describe(), &why, &[signature])),
+            Err(why) => self.report(errors::no_fit(span, "shape", &given.describe(), &why, &[signature])),
         }
     }
 
@@ -345,7 +345,12 @@ impl<'t> Elaborator<'t> {
         for (name, value) in arguments {
             env = env.bind(name.clone(), value.clone());
         }
-        self.origins.push(Origin { name: function.name.text.clone(), module, span: function.name.span });
+        self.origins.push(Origin {
+            name: function.name.text.clone(),
+            module,
+            span: function.name.span,
+            function: std::ptr::from_ref(function).cast(),
+        });
         let result = self.eval(&function.body, &env);
         self.origins.pop();
         result

@@ -102,8 +102,11 @@ pub(crate) fn no_member(span: Span, name: &str, of: &str, help: Option<String>) 
 }
 
 pub(crate) fn index_out_of_range(span: Span, index: f64, len: usize) -> Diagnostic {
-    Diagnostic::new(Code::E035, span, format!("there is no element {index} in a list of {len}"))
-        .label(if len == 0 { "the list is empty".to_string() } else { format!("0 to {} are there", len - 1) })
+    Diagnostic::new(Code::E035, span, format!("there is no element {index}")).label(match len {
+        0 => "there are none".to_string(),
+        1 => "only 0 is there".to_string(),
+        _ => format!("0 to {} are there", len - 1),
+    })
 }
 
 pub(crate) fn not_static(span: Span, what: &str) -> Diagnostic {
@@ -189,7 +192,7 @@ pub(crate) fn wrong_setting(span: Span, message: impl Into<String>, help: impl I
 
 pub(crate) fn not_built_yet(span: Span, what: &str, instead: &str) -> Diagnostic {
     Diagnostic::new(Code::E064, span, format!("{what} is not built yet"))
-        .label("a valid setting, but nothing draws it so far")
+        .label("part of the language, but not of sdfc so far")
         .help(instead.to_string())
 }
 
@@ -208,6 +211,11 @@ pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]
         Some(s) => d.label("not found").help(format!("did you mean `@{s}`?")),
         None => d.label("not found").help(format!("the attributes are @{}", all.join(", @"))),
     }
+}
+
+pub(crate) fn wrong_slope(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, "`@lipschitz` takes one number")
+        .help("state the largest slope of the field, for example `@lipschitz(2)`")
 }
 
 pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {

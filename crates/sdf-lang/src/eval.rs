@@ -202,9 +202,11 @@ impl<'t> Elaborator<'t> {
 
     fn field(&mut self, dimension: Dimension, block: &'t Block, env: &Env<'t>) -> Value<'t> {
         let origin = self.origins.last().cloned();
-        let painted = env.traits().painted;
+        let traits = env.traits();
+        let own = origin.as_ref().and_then(|o| self.names.module(o.module).slopes.get(&o.function));
         let kind = ShapeKind::Field { block, env: env.clone(), origin };
-        Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+        let steep = traits.steep || own.is_some();
+        Value::Shape(Rc::new(Shape { dimension, kind, painted: traits.painted, steep }))
     }
 
     fn tuple(&mut self, items: &'t [Expr], env: &Env<'t>, span: Span) -> Eval<Value<'t>> {
@@ -464,15 +466,34 @@ impl<'t> Elaborator<'t> {
             Some(_) => return self.block(otherwise, env),
             None => {}
         }
-        if crate::outline::is_costly(then) || crate::outline::is_costly(otherwise) {
+        let costly = crate::outline::is_costly(then) || crate::outline::is_costly(otherwise);
+        if costly && (c.is_local() || !self.is_shape(then, env)) {
             return self.branch(&c, condition.span, then, otherwise, env);
         }
         let a = self.block(then, env)?;
         let b = self.block(otherwise, env)?;
+        if let (Value::Shape(a), Value::Shape(b)) = (&a, &b)
+            && a.dimension == b.dimension
+            && !c.is_local()
+        {
+            let (dimension, painted, steep) = (a.dimension, a.painted || b.painted, a.steep || b.steep);
+            let kind = ShapeKind::Choice { condition: c, then: a.clone(), otherwise: b.clone() };
+            return Ok(Value::Shape(Rc::new(Shape { dimension, kind, painted, steep })));
+        }
         let (a, b) = self.alike(a, b, then.result.span, otherwise.result.span)?;
         self.zip(&a, &b, condition.span, &mut |this, x, y| {
             Ok(this.contexts.apply(Op::Ternary(Ternary::Select), &[c.clone(), x.clone(), y.clone()]))
         })
+    }
+
+    /// Whether a block gives a shape; nothing that it does is kept.
+    fn is_shape(&mut self, block: &'t Block, env: &Env<'t>) -> bool {
+        let reported = self.diagnostics.len();
+        self.contexts.open(&Arc::from("trial"), None);
+        let value = self.block(block, env);
+        self.contexts.discard();
+        self.diagnostics.truncate(reported);
+        matches!(value, Ok(Value::Shape(_)))
     }
 
     /// An `if` of which only one side is computed.
@@ -925,9 +946,9 @@ fn swizzle(name: &str, ty: Type) -> Option<Vec<usize>> {
 pub(crate) fn name_shape<'t>(value: Value<'t>, name: &Arc<str>, span: Span, thunk: Thunk<'t>) -> Value<'t> {
     match value {
         Value::Shape(shape) if !matches!(shape.kind, ShapeKind::Named { .. }) => {
-            let (dimension, painted) = (shape.dimension, shape.painted);
+            let (dimension, painted, steep) = (shape.dimension, shape.painted, shape.steep);
             let kind = ShapeKind::Named { name: name.clone(), span, thunk, inner: shape };
-            Value::Shape(Rc::new(Shape { dimension, kind, painted }))
+            Value::Shape(Rc::new(Shape { dimension, kind, painted, steep }))
         }
         other => other,
     }

@@ -15,17 +15,12 @@ const DEFAULT: ([f64; 3], f64) = ([0.0; 3], 1.732);
 const REACH: f64 = 512.0;
 /// How fine the cells get, as a share of what they cover together.
 const FINEST: f64 = 0.04;
-/// The same for scenes of many parts, where none matters much.
-const FINEST_OF_MANY: f64 = 0.25;
-/// How many parts are many.
-const MANY: usize = 64;
-/// How many cells one level may have.
-const MOST_CELLS: usize = 60_000;
+/// How many distances to parts one level may take: where there are many parts, the cells stay larger.
+const MOST_WORK: usize = 4_000_000;
 
 /// A ball round all bounded parts, at time 0 and with the params' defaults: centre and radius.
 pub(crate) fn ball<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> ([f64; 3], f64) {
-    let finest = if parts.len() < MANY { FINEST } else { FINEST_OF_MANY };
-    let points: Vec<[f64; 3]> = parts.iter().flat_map(|part| cells(elaborator, part, finest)).collect();
+    let points = cells_of_bounded(elaborator, parts);
     if points.is_empty() {
         return DEFAULT;
     }
@@ -41,9 +36,27 @@ fn round(x: f64) -> f64 {
     (x * 1024.0).round() / 1024.0 + 0.0
 }
 
-/// The centres of small cells in which the surface or the inside of a shape may be; none if it is unbounded.
-fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>, finest: f64) -> Vec<[f64; 3]> {
-    let Some(field) = Field::new(elaborator, shape) else { return Vec::new() };
+/// The cells of all parts that are bounded. Parts are searched together, and one by one only where one of them
+/// is unbounded.
+fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Vec<[f64; 3]> {
+    if parts.is_empty() {
+        return Vec::new();
+    }
+    if let Some(found) = cells(elaborator, parts) {
+        return found;
+    }
+    let (left, right) = parts.split_at(parts.len() / 2);
+    if left.is_empty() {
+        return Vec::new();
+    }
+    let mut found = cells_of_bounded(elaborator, left);
+    found.extend(cells_of_bounded(elaborator, right));
+    found
+}
+
+/// The centres of small cells in which the surface or the inside of a union may be; nothing if it is unbounded.
+fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Vec<[f64; 3]>> {
+    let field = Field::new(elaborator, parts)?;
     let mut machine = Machine::<f64>::new(&field.tape);
     let mut half = REACH;
     let mut cells = vec![[0.0; 3]];
@@ -65,11 +78,11 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>, finest: f64
             .map(|(c, _)| c)
             .collect();
         let at_border = |c: &[f64; 3]| c.iter().any(|x| x.abs() + 1.5 * half > REACH);
-        if cells.is_empty()
-            || cells.len() > MOST_CELLS
-            || (half <= REACH / 8.0 && cells.iter().any(at_border))
-        {
-            return Vec::new();
+        if cells.is_empty() {
+            return Some(cells);
+        }
+        if half <= REACH / 8.0 && cells.iter().any(at_border) {
+            return None;
         }
         let extent = (0..3)
             .map(|i| {
@@ -77,22 +90,23 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>, finest: f64
                 all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
             })
             .fold(0.0, f64::max);
-        if (half <= REACH / 8.0 && half <= finest * extent) || half < 1e-6 {
-            return cells;
+        let is_fine = half <= FINEST * extent || 8 * cells.len() * parts.len() > MOST_WORK;
+        if (half <= REACH / 8.0 && is_fine) || half < 1e-6 {
+            return Some(cells);
         }
     }
 }
 
-/// A shape's field, ready to be sampled.
+/// The field of a union, ready to be sampled.
 struct Field {
     tape: Tape,
 }
 
 impl Field {
-    fn new<'t>(elaborator: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Option<Field> {
+    fn new<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Field> {
         elaborator.contexts.open(&Arc::from("extent"), None);
         let point = elaborator.contexts.entry_parameter("p", sdf_ir::Type::Vec3);
-        let Ok(distance) = elaborator.sample(shape, &point, Span::default()) else {
+        let Ok(distance) = elaborator.union_distance(parts, &point, Span::default()) else {
             elaborator.contexts.discard();
             return None;
         };

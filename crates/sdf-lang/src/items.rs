@@ -144,8 +144,8 @@ impl<'t> Elaborator<'t> {
                 if low_value > high_value {
                     return self.report(errors::out_of_range(
                         low.span.to(high.span),
-                        "this range",
-                        "its lower end first",
+                        "the order of this range",
+                        "the lower end first",
                     ));
                 }
                 if x < low_value || x > high_value {

@@ -19,6 +19,7 @@ mod outline;
 mod scene;
 mod settings;
 mod shape;
+mod stride;
 mod surface;
 mod value;
 mod walk;
@@ -45,6 +46,8 @@ pub struct Options {
     /// Params that are frozen, by name, with their values as written: they become constants, and what they make
     /// zero is not called for.
     pub set: Vec<(String, String)>,
+    /// Whether the scene is to have a [`probe`](Scene::probe).
+    pub probe: bool,
 }
 
 /// What came of a file.
@@ -75,6 +78,10 @@ pub struct Scene {
     pub program: Program,
     /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
     pub map: Option<FunctionId>,
+    /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3` of what a pixel shows, if it
+    /// was asked for: the distance from the eye (-1 where there is nothing), the surface's normal and colour, and
+    /// the light that arrives there. The entry does not call it, so no text has it.
+    pub probe: Option<FunctionId>,
     /// What was compiled in, for the header of the emitted text.
     pub summary: Summary,
 }
@@ -107,6 +114,10 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
             Err(error) => panic!("no thread for elaboration: {error}"),
         }
     });
+    if syntax_errors {
+        // It may be what could not be read.
+        diagnostics.retain(|d| d.code != sdf_syntax::Code::E060);
+    }
     tidy(&mut diagnostics);
     let scene = scene.filter(|_| !syntax_errors);
     Compilation { sources, tree, diagnostics, scene }
@@ -114,7 +125,7 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
 
 /// Puts findings in the order of the source, each once.
 fn tidy(diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics.sort_by(|a, b| (a.span, a.code).cmp(&(b.span, b.code)));
+    diagnostics.sort_by_key(|d| (d.span, d.code));
     diagnostics.dedup_by(|b, a| a.span == b.span && a.code == b.code && a.message == b.message);
 }
 

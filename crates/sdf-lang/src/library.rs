@@ -19,6 +19,7 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/march.sdf>", include_str!("../runtime/march.sdf")),
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),
+    ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
 ];
 
 /// The trees of the files that are part of the compiler.

@@ -29,7 +29,9 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
-    /// What items require, by their place in memory.
+    /// The slopes that functions state for their fields, by their places in memory.
+    pub slopes: HashMap<*const (), &'t Expr>,
+    /// What items require, by their places in memory.
     pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
     all_functions: Vec<&'t Function>,
 }
@@ -175,6 +177,11 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
         {
             items.requirements.insert(place, requirements);
         }
+        if let (ItemKind::Fn(_), Some(place), Some(slope)) =
+            (&item.kind, place, stated_slope(&item.attributes))
+        {
+            items.slopes.insert(place, slope);
+        }
         match &item.kind {
             ItemKind::Import { .. } => {
                 diagnostics.push(errors::not_built_yet(
@@ -245,12 +252,22 @@ fn requirements<'t>(
                 out.push(Requirement { condition, message, span: attribute.span });
             }
             ("requires", _) => diagnostics.push(errors::wrong_requirement(attribute.span)),
+            ("lipschitz", [AttributeArgument::Expr(_)]) => {}
+            ("lipschitz", _) => diagnostics.push(errors::wrong_slope(attribute.span)),
             // The library's promises are what its tests hold it to.
             _ if module != Module::User => {}
             _ => diagnostics.push(errors::promise_not_built_yet(attribute.span, name)),
         }
     }
     out
+}
+
+/// What `@lipschitz(e)` states.
+fn stated_slope(attributes: &[Attribute]) -> Option<&Expr> {
+    attributes.iter().find(|a| &*a.name.text == "lipschitz").and_then(|a| match &a.arguments[..] {
+        [AttributeArgument::Expr(e)] => Some(e),
+        _ => None,
+    })
 }
 
 fn add_value<'t>(

@@ -8,7 +8,7 @@ use crate::names::Names;
 use crate::surface::Column;
 use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
 use crate::{Options, Scene, Summary};
-use sdf_ir::{Constant, Role, Type};
+use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
 use sdf_syntax::{Diagnostic, Sources, Span};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -48,22 +48,29 @@ pub(crate) fn elaborate(
     };
     let scene = elaborator.scene(options);
     let Elaborator { contexts, diagnostics, .. } = elaborator;
-    let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|(map_id, pixel, summary)| {
+    let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
         let mut program = contexts.into_program();
-        program.entry = Some(pixel);
-        let roots: Vec<_> = map_id.into_iter().collect();
+        program.entry = Some(made.pixel);
+        let roots: Vec<_> = made.map.into_iter().chain(made.probe).collect();
         let (program, kept) = sdf_ir::simplify(&program, &roots);
         debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
-        Scene { map: kept.first().copied(), program, summary }
+        let mut kept = kept.into_iter();
+        let map = made.map.and_then(|_| kept.next());
+        Scene { map, probe: kept.next(), program, summary: made.summary }
     });
     (scene, diagnostics)
 }
 
+/// The functions of a scene, in the program that is being made.
+struct Made {
+    map: Option<FunctionId>,
+    pixel: FunctionId,
+    probe: Option<FunctionId>,
+    summary: Summary,
+}
+
 impl<'t> Elaborator<'t> {
-    fn scene(
-        &mut self,
-        options: &Options,
-    ) -> Eval<(Option<sdf_ir::FunctionId>, sdf_ir::FunctionId, Summary)> {
+    fn scene(&mut self, options: &Options) -> Eval<Made> {
         self.check_overrides(options);
         self.evaluate_all_items();
         let shapes = self.scene_shapes();
@@ -76,20 +83,26 @@ impl<'t> Elaborator<'t> {
         self.scene_parts = shapes.clone();
         let settings = self.settings()?;
         let painted = shapes.iter().any(|s| s.painted);
+        let steep = shapes.iter().any(|s| s.steep);
         let union = Rc::new(Shape {
             dimension: Dimension::Three,
             kind: ShapeKind::Union { shapes: shapes.clone() },
             painted,
+            steep,
         });
-        let map = name_shape(Value::Shape(union), &Arc::from("map"), Span::default(), Thunk::Fixed);
+        let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
         let glows = self.glows(&shapes)?;
         let summary = self.summary(&settings, &glows, shapes.len());
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
+        fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
-        let pixel = self.pixel(Value::record(fields))?;
+        let scene = Value::record(fields);
+        let pixel = self.entry("pixel", scene.clone())?;
+        let probe = if options.probe { Some(self.entry("probe", scene)?) } else { None };
         let Value::Shape(map) = map else { unreachable!("a shape was named") };
         let map_id = match &map.kind {
             ShapeKind::Named { inner, .. } => {
@@ -97,31 +110,39 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok((map_id, pixel, summary))
+        Ok(Made { map: map_id, pixel, probe, summary })
     }
 
-    /// The function of a pixel: the renderer's, with the scene filled in.
-    fn pixel(&mut self, scene: Value<'t>) -> Eval<sdf_ir::FunctionId> {
-        let [function] = self.names.runtime.functions["pixel"][..] else {
-            unreachable!("the renderer has one function for a pixel")
+    /// Whether the distance to a shape is the same everywhere, so that it has no surface.
+    fn is_empty(&mut self, shape: &Value<'t>) -> Eval<bool> {
+        let Value::Shape(shape) = shape else { unreachable!("a scene is a shape") };
+        self.contexts.open(&Arc::from("empty"), None);
+        let point = self.contexts.entry_parameter("p", Type::Vec3);
+        let distance = self.sample(shape, &point, Span::default());
+        self.contexts.discard();
+        Ok(!distance?.is_local())
+    }
+
+    /// A function of a pixel's coordinate: the renderer's of this name, with the scene filled in.
+    fn entry(&mut self, name: &str, scene: Value<'t>) -> Eval<FunctionId> {
+        let [function] = self.names.runtime.functions[name][..] else {
+            unreachable!("the renderer has one function `{name}`")
         };
-        let name: Arc<str> = Arc::from("pixel");
-        self.contexts.open(&name, None);
+        self.contexts.open(&Arc::from(name), None);
         let coordinate = self.contexts.entry_parameter("coordinate", Type::Vec2);
         let arguments = [(Arc::from("scene"), scene), (Arc::from("coordinate"), Value::Number(coordinate))];
-        let color = self
+        let results = self
             .evaluate_body(function, Module::Runtime, &arguments)
-            .and_then(|v| self.as_typed(v, Type::Vec3, function.name.span));
-        match color {
-            Ok(color) => {
-                let color = self.contexts.value(&color);
-                Ok(self.contexts.finish(vec![(color, Arc::from("color"))]).0)
-            }
-            Err(Reported) => {
-                self.contexts.discard();
-                Err(Reported)
-            }
-        }
+            .and_then(|value| self.flatten(&value, function.name.span));
+        let Ok((_, results)) = results else {
+            self.contexts.discard();
+            return Err(Reported);
+        };
+        let results = results
+            .into_iter()
+            .map(|n| (self.contexts.value(&n), n.name.unwrap_or_else(|| Arc::from("color"))))
+            .collect();
+        Ok(self.contexts.finish(results).0)
     }
 
     /// The shapes of the scene block; mistakes in one do not hide those in another.
@@ -275,6 +296,9 @@ impl<'t> Elaborator<'t> {
             if hard {
                 summary.effects.push("hard shadow");
             }
+        }
+        if self.scene_parts.iter().any(|s| s.steep) {
+            summary.effects.push("step correction");
         }
         if known("ambient", "occluded") == Some(Constant::Bool(true)) {
             summary.effects.push("occlusion");

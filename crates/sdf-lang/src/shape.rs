@@ -1,5 +1,6 @@
 //! Shapes at points: which of them are functions of the program, and their gradients.
 
+use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::value::{Env, Module, Number, Origin, Repr, Shape, ShapeKind, Thunk, Value};
@@ -38,6 +39,9 @@ impl<'t> Elaborator<'t> {
         match &shape.kind {
             ShapeKind::Painted { shape, .. } => self.distance(shape, point, span),
             ShapeKind::Union { shapes } => self.union_distance(shapes, point, span),
+            ShapeKind::Choice { condition, then, otherwise } => {
+                self.chosen_distance(condition, [then, otherwise], point, span)
+            }
             ShapeKind::Named { inner, .. } if !point.is_local() => {
                 let errors_before = self.diagnostics.len();
                 let distance = self.distance(inner, point, span);
@@ -72,6 +76,18 @@ impl<'t> Elaborator<'t> {
             });
         }
         Ok(nearest.unwrap_or(Number::float(crate::NOTHING)))
+    }
+
+    pub fn chosen_distance(
+        &mut self,
+        condition: &Number,
+        [then, otherwise]: [&Rc<Shape<'t>>; 2],
+        point: &Number,
+        span: Span,
+    ) -> Eval<Number> {
+        let a = self.sample(then, point, span)?;
+        let b = self.sample(otherwise, point, span)?;
+        Ok(self.contexts.apply(Op::Ternary(sdf_ir::Ternary::Select), &[condition.clone(), a, b]))
     }
 
     /// The value of a field's block, written into the caller.

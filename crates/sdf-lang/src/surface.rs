@@ -194,15 +194,13 @@ impl<'t> Elaborator<'t> {
                 }
             }
             ShapeKind::Union { shapes } => {
-                let parts = shapes.clone();
+                let shapes = shapes.clone();
+                self.mix_samples(point, normal, span, move |this, p| this.union_distance(&shapes, p, span))
+            }
+            ShapeKind::Choice { condition, then, otherwise } => {
+                let (condition, then, otherwise) = (condition.clone(), then.clone(), otherwise.clone());
                 self.mix_samples(point, normal, span, move |this, p| {
-                    let union = Rc::new(Shape {
-                        dimension: sdf_syntax::tree::Dimension::Three,
-                        kind: ShapeKind::Union { shapes: parts },
-                        painted: false,
-                    });
-                    let ShapeKind::Union { shapes } = &union.kind else { unreachable!("just made") };
-                    this.union_distance(shapes, p, span)
+                    this.chosen_distance(&condition, [&then, &otherwise], p, span)
                 })
             }
             ShapeKind::Field { block, env, .. } => {
@@ -210,6 +208,19 @@ impl<'t> Elaborator<'t> {
                 self.mix_samples(point, normal, span, move |this, p| this.field_value(block, &env, p))
             }
         }
+    }
+
+    /// What a formula samples: each shape, where, and the distance found there.
+    pub fn samples_of(
+        &mut self,
+        formula: impl FnOnce(&mut Self) -> Eval<Number>,
+    ) -> Eval<Vec<(Rc<Shape<'t>>, Number, Number)>> {
+        self.contexts.open(&Arc::from("samples"), None);
+        let saved = self.samples.replace(Vec::new());
+        let result = formula(self);
+        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
+        self.contexts.discard();
+        result.map(|_| samples.into_iter().map(|s| (s.shape, s.point, s.distance)).collect())
     }
 
     /// The mix of the materials of what a formula samples.
@@ -462,7 +473,7 @@ impl<'t> Elaborator<'t> {
             return distance;
         }
         let outside = self.contexts.import(&distance, depth - 1);
-        if let Some(same) = samples.iter().find(|s| s.outside == outside) {
+        if let Some(same) = samples.iter().find(|s| s.outside == outside && Rc::ptr_eq(&s.shape, shape)) {
             return self.contexts.local(depth, same.stand_in, Type::Float);
         }
         let at_caller = self.contexts.local(depth - 1, outside, Type::Float);

@@ -88,11 +88,17 @@ pub(crate) struct Traits {
     pub shapes: bool,
     /// There is a painted shape inside.
     pub painted: bool,
+    /// There is a shape inside whose slope may be above 1.
+    pub steep: bool,
 }
 
 impl Traits {
     pub fn join(self, other: Traits) -> Traits {
-        Traits { shapes: self.shapes || other.shapes, painted: self.painted || other.painted }
+        Traits {
+            shapes: self.shapes || other.shapes,
+            painted: self.painted || other.painted,
+            steep: self.steep || other.steep,
+        }
     }
 }
 
@@ -138,12 +144,12 @@ impl<'t> Value<'t> {
     pub fn traits(&self) -> Traits {
         match self {
             Value::Number(_) | Value::Material(_) => Traits::default(),
-            Value::Shape(s) => Traits { shapes: true, painted: s.painted },
+            Value::Shape(s) => Traits { shapes: true, painted: s.painted, steep: s.steep },
             Value::List(l) => l.traits,
             Value::Record(r) => r.traits,
             Value::Function(f) => match &**f {
-                Callable::Lambda { env, .. } => Traits { shapes: true, painted: env.traits().painted },
-                Callable::Overloads(..) | Callable::Native(_) => Traits { shapes: true, painted: false },
+                Callable::Lambda { env, .. } => Traits { shapes: true, ..env.traits() },
+                Callable::Overloads(..) | Callable::Native(_) => Traits { shapes: true, ..Traits::default() },
             },
         }
     }
@@ -179,6 +185,8 @@ pub(crate) struct Shape<'t> {
     pub kind: ShapeKind<'t>,
     /// Whether it, or a shape inside, is painted.
     pub painted: bool,
+    /// Whether its slope, or that of a shape inside, may be above 1.
+    pub steep: bool,
 }
 
 /// How a shape is given.
@@ -190,6 +198,8 @@ pub(crate) enum ShapeKind<'t> {
     Named { name: Arc<str>, span: Span, thunk: Thunk<'t>, inner: Rc<Shape<'t>> },
     /// A shape with a material.
     Painted { shape: Rc<Shape<'t>>, material: Rc<Material<'t>> },
+    /// One of two shapes, by a condition that holds for a whole frame or not.
+    Choice { condition: Number, then: Rc<Shape<'t>>, otherwise: Rc<Shape<'t>> },
     /// The union of shapes as the scene's own field. Kept apart from `field` so that its parts can be listed.
     Union { shapes: Vec<Rc<Shape<'t>>> },
 }
@@ -200,6 +210,8 @@ pub(crate) struct Origin {
     pub name: Arc<str>,
     pub module: Module,
     pub span: Span,
+    /// The function, by its place in memory.
+    pub function: *const (),
 }
 
 /// How to make a named shape once more, with its numbers seen from inside its function.

@@ -77,14 +77,15 @@ impl Diagnostic {
 }
 
 /// The name among `candidates` that `written` was most likely meant to be: at most a third of its letters
-/// wrong, or alike but for case.
+/// wrong, or alike but for case and underscores.
 pub fn did_you_mean<'a>(written: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = written.to_lowercase();
+    let plain = |name: &str| name.replace('_', "").to_lowercase();
+    let wanted = plain(written);
     let limit = (written.chars().count() / 3).max(1);
     candidates
         .into_iter()
         .filter(|c| *c != written)
-        .map(|c| (strsim::damerau_levenshtein(&lower, &c.to_lowercase()), c))
+        .map(|c| (strsim::damerau_levenshtein(&wanted, &plain(c)), c))
         .filter(|(distance, _)| *distance <= limit)
         .min()
         .map(|(_, c)| c)

@@ -20,7 +20,7 @@ pub const DIAGNOSTIC_LIMIT: usize = 200;
 /// The text of a file, without its byte order mark, or why it is none.
 pub fn decode(file: FileId, bytes: &[u8]) -> Result<String, Diagnostic> {
     if bytes.len() > FILE_LIMIT {
-        return Err(file_too_large(file, bytes.len()));
+        return Err(file_too_large(file));
     }
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(file, error.valid_up_to()))?;
     Ok(text.strip_prefix('\u{feff}').unwrap_or(text).to_string())
@@ -34,7 +34,7 @@ pub fn decode(file: FileId, bytes: &[u8]) -> Result<String, Diagnostic> {
 /// [`ExprKind::Error`]: crate::tree::ExprKind::Error
 pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     if text.len() > FILE_LIMIT {
-        return (File::default(), vec![file_too_large(file, text.len())]);
+        return (File::default(), vec![file_too_large(file)]);
     }
     let lexed = lex(file, text);
     let outlined = outline(text, file, &lexed.tokens, comment_is_open(&lexed));
@@ -119,8 +119,8 @@ fn not_utf8(file: FileId, offset: usize) -> Diagnostic {
         .help("save it as UTF-8")
 }
 
-fn file_too_large(file: FileId, size: usize) -> Diagnostic {
-    let message = format!("the file has {size} bytes: at most {FILE_LIMIT} are allowed");
+fn file_too_large(file: FileId) -> Diagnostic {
+    let message = format!("the file has more than {FILE_LIMIT} bytes");
     Diagnostic::new(Code::E009, Span::new(file, 0, 0), message)
         .help("move parts of it into files of their own and `import` them")
 }

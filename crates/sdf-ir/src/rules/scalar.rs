@@ -20,7 +20,7 @@ pub(super) fn add(b: &mut Builder, x: Value, y: Value) -> Option<Value> {
             && again == sum
             && b.constant_of(k).is_some()
         {
-            return Some(k);
+            return Some(b.splat(k, ty));
         }
     }
     // x + (-y) == x - y
@@ -201,6 +201,12 @@ pub(super) fn divide(b: &mut Builder, x: Value, y: Value) -> Option<Value> {
     if is_number(b, x, 0.0) {
         let ty = widest(b, x, y);
         return Some(zero(b, ty));
+    }
+    // v / length(v) == normalize(v), also for the zero vector
+    if let Node::Unary(Unary::Length, v) = b.node(y)
+        && v == x
+    {
+        return Some(b.unary(Unary::Normalize, v));
     }
     // x / c == x * (1/c), exactly, where c is a power of two that is not below 1: a smaller one
     // could overflow, where the quotient saturates

@@ -10,7 +10,7 @@ pub type Point = [f64; 3];
 /// Compiles a scene, whatever comes of it; every program that is made is well formed.
 pub fn compile(text: &str, set: &[(&str, &str)]) -> Compilation {
     let set = set.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-    let compilation = sdf_lang::compile("scene.sdf", text, &Options { set });
+    let compilation = sdf_lang::compile("scene.sdf", text, &Options { set, ..Options::default() });
     if let Some(scene) = &compilation.scene {
         assert_eq!(sdf_ir::verify(&scene.program), Ok(()), "in\n{text}");
     }

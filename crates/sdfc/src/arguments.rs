@@ -1,0 +1,268 @@
+//! What the command understands.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use sdfc::{Device, Language, Options};
+use std::path::PathBuf;
+
+/// The largest side of a picture, in pixels.
+const SIDE_LIMIT: u32 = 16_384;
+/// The most pixels of a picture.
+const PIXEL_LIMIT: u64 = 1 << 26;
+
+/// Compiles scenes (.sdf) to shaders in GLSL and WGSL, and draws them.
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true, subcommand_negates_reqs = true)]
+#[command(override_usage = "sdfc [OPTIONS] <SCENE> -o <FILE>\n       sdfc <COMMAND> [OPTIONS] …")]
+#[command(
+    after_help = "Exit status: 0 done, 1 the scene is wrong, 2 the call is wrong, 3 the device failed, \
+                        101 sdfc itself is wrong."
+)]
+pub struct Arguments {
+    /// What to do, if not to compile.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// How to compile.
+    #[command(flatten)]
+    pub compile: CompileArguments,
+    /// Whether messages are coloured
+    #[arg(long, value_name = "WHEN", default_value = "auto", global = true)]
+    pub color: Color,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draw a scene to a PNG file
+    Render(RenderArguments),
+    /// Say what is wrong with scenes, and write nothing
+    Check(CheckArguments),
+}
+
+/// `sdfc SCENE -o FILE`
+#[derive(Debug, Args, Default, PartialEq)]
+pub struct CompileArguments {
+    /// The scene; `-` reads standard input
+    #[arg(required = true, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Where to write the shader; `-` is standard output. Its extension names the target
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// The target, whatever the extension says
+    #[arg(long, value_name = "TARGET")]
+    pub target: Option<TargetName>,
+    /// Print what the compiler has made of the scene, to standard output
+    #[arg(long, value_name = "STAGES", value_delimiter = ',')]
+    pub emit: Vec<Stage>,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// `sdfc render SCENE -o FILE`
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// The scene; `-` reads standard input
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Where to write the picture (.png); `-` is standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The size of the picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x360", value_parser = size)]
+    pub size: (u32, u32),
+    /// The time in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    pub time: f64,
+    /// What draws: `auto`, `gpu`, `cpu`, or a part of a graphics device's name
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
+    pub device: Device,
+    /// In which language a graphics device is given the shader
+    #[arg(long, value_name = "LANGUAGE", default_value = "wgsl", hide = true)]
+    pub shader: ShaderLanguage,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took, and what drew
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// `sdfc check SCENE…`
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    /// The scenes; `-` reads standard input
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// Values of params.
+#[derive(Debug, Args, Default, PartialEq)]
+pub struct SetArguments {
+    /// Freeze a param at a value; may be given several times
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
+    pub values: Vec<(String, String)>,
+}
+
+impl SetArguments {
+    /// The options of the compiler that this means.
+    pub fn options(&self) -> Options {
+        Options { set: self.values.clone(), ..Options::default() }
+    }
+}
+
+/// Whether messages are coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless NO_COLOR is set
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+/// A target by its name, which is also its extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TargetName {
+    /// GLSL for Shadertoy's Image tab
+    Glsl,
+    /// A whole fragment shader of `#version 300 es`
+    Frag,
+    /// A WGSL module
+    Wgsl,
+}
+
+/// What of a compilation can be printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Stage {
+    /// The tokens of the source
+    Tokens,
+    /// The tree of the source
+    Ast,
+    /// The program, in the operations of the language
+    Ir,
+    /// The program, in operations that mean the same on every target
+    Total,
+    /// What the scene costs
+    Cost,
+}
+
+/// In which language a graphics device is given the shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShaderLanguage {
+    /// WGSL
+    Wgsl,
+    /// GLSL
+    Glsl,
+}
+
+impl From<ShaderLanguage> for Language {
+    fn from(language: ShaderLanguage) -> Language {
+        match language {
+            ShaderLanguage::Wgsl => Language::Wgsl,
+            ShaderLanguage::Glsl => Language::Glsl,
+        }
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let wanted = || "expected two whole numbers such as 1280x720".to_string();
+    let (width, height) = text.split_once('x').ok_or_else(wanted)?;
+    let side = |text: &str| -> Result<u32, String> {
+        let digits = !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+        match text.parse::<u32>() {
+            Ok(n) if digits && (1..=SIDE_LIMIT).contains(&n) => Ok(n),
+            _ if digits => Err(format!("a side has 1 to {SIDE_LIMIT} pixels")),
+            _ => Err(wanted()),
+        }
+    };
+    let (width, height) = (side(width)?, side(height)?);
+    match u64::from(width) * u64::from(height) <= PIXEL_LIMIT {
+        true => Ok((width, height)),
+        false => Err(format!("a picture has at most {PIXEL_LIMIT} pixels")),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(t) if t >= 0.0 && (t as f32).is_finite() => Ok(t + 0.0),
+        Ok(_) => Err("the time is a finite number of seconds, at least 0".into()),
+        Err(_) => Err("expected a number of seconds such as 2.5".into()),
+    }
+}
+
+fn device(text: &str) -> Result<Device, String> {
+    match text {
+        "auto" => Ok(Device::Auto),
+        "gpu" => Ok(Device::Gpu),
+        "cpu" => Ok(Device::Cpu),
+        "" => Err("expected `auto`, `gpu`, `cpu` or a part of a device's name".into()),
+        name => Ok(Device::Named(name.to_string())),
+    }
+}
+
+fn assignment(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_string(), value.trim().to_string()))
+        }
+        _ => Err("expected a param and its value, such as spin=3".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert_eq!(size("1x16384"), Ok((1, 16_384)));
+        for wrong in [
+            "",
+            "x",
+            "1280",
+            "1280x",
+            "0x1",
+            "-1x5",
+            "+1x5",
+            "16385x1",
+            "99999999999x1",
+            "16384x16384",
+            "1x1x1",
+        ] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times() {
+        assert_eq!(seconds("2.5"), Ok(2.5));
+        assert_eq!(seconds("-0").map(f64::to_bits), Ok(0));
+        for wrong in ["", "-1", "nan", "inf", "1e39", "two"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn assignments() {
+        assert_eq!(assignment("a=1"), Ok(("a".into(), "1".into())));
+        assert_eq!(assignment("a = #fff"), Ok(("a".into(), "#fff".into())));
+        assert!(assignment("a").is_err() && assignment("=1").is_err());
+    }
+}

@@ -1,0 +1,85 @@
+//! `sdfc check scene.sdf…`
+
+use crate::arguments::CheckArguments;
+use crate::compile::shader;
+use crate::failure::Failure;
+use crate::input;
+use crate::terminal::Terminal;
+use sdf_syntax::Severity;
+use sdfc::Clock;
+use std::path::Path;
+
+/// Says what is wrong with scenes, and how many mistakes there are in all.
+pub fn run(arguments: &CheckArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let mut clock = Clock::default();
+    let mut found = Found::default();
+    let mut done = Ok(());
+    for path in &arguments.scenes {
+        // A wrong call outweighs a wrong scene.
+        done = match (check(path, arguments, &mut clock, &mut found, terminal), done) {
+            (Err(Failure::Scene), Ok(())) => Err(Failure::Scene),
+            (Ok(()) | Err(Failure::Scene), done) => done,
+            (Err(failure), _) => {
+                terminal.failure(&failure);
+                Err(Failure::CallTold)
+            }
+        };
+    }
+    terminal.summary(&found.summary(arguments.scenes.len()));
+    if arguments.timings {
+        terminal.timings(&clock);
+    }
+    done
+}
+
+fn check(
+    path: &Path,
+    arguments: &CheckArguments,
+    clock: &mut Clock,
+    found: &mut Found,
+    terminal: &Terminal,
+) -> Result<(), Failure> {
+    let source = match clock.time("read", || input::read(path, terminal)) {
+        Ok(source) => source,
+        Err(Failure::Scene) => {
+            found.errors += 1;
+            return Err(Failure::Scene);
+        }
+        Err(failure) => {
+            found.unread += 1;
+            return Err(failure);
+        }
+    };
+    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), clock);
+    terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
+    for diagnostic in &compiled.diagnostics {
+        match diagnostic.severity() {
+            Severity::Error => found.errors += 1,
+            Severity::Warning => found.warnings += 1,
+        }
+    }
+    shader(&compiled).map(drop)
+}
+
+/// How much was found.
+#[derive(Default)]
+struct Found {
+    errors: usize,
+    warnings: usize,
+    unread: usize,
+}
+
+impl Found {
+    fn summary(&self, scenes: usize) -> String {
+        let count = |n: usize, one: &str| match n {
+            0 => None,
+            1 => Some(format!("1 {one}")),
+            n => Some(format!("{n} {one}s")),
+        };
+        let mut parts: Vec<String> =
+            count(self.errors, "error").into_iter().chain(count(self.warnings, "warning")).collect();
+        parts.extend(count(self.unread, "file").map(|files| format!("{files} not read")));
+        let found = if parts.is_empty() { "nothing is wrong".to_string() } else { parts.join(", ") };
+        format!("{} checked: {found}", count(scenes, "scene").unwrap_or_default())
+    }
+}

@@ -1,0 +1,151 @@
+//! Shaders to pictures: on a graphics device, or by the interpreter.
+
+use crate::{Clock, Shader};
+use sdf_render::{Frame, Picture, cpu};
+use sdf_syntax::Diagnostic;
+use std::fmt::{self, Display, Formatter};
+
+/// What draws.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Device {
+    /// A graphics device, hardware before software; the CPU where there is none.
+    #[default]
+    Auto,
+    /// A graphics device, hardware before software.
+    Gpu,
+    /// The interpreter.
+    Cpu,
+    /// The graphics device whose name contains this.
+    Named(String),
+}
+
+/// In which language a graphics device is given the shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Language {
+    /// WGSL.
+    #[default]
+    Wgsl,
+    /// GLSL.
+    Glsl,
+}
+
+/// Is told the part of a picture that is done, 0 to 1, perhaps by several threads at once.
+pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
+
+/// A picture that has been drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Drawing {
+    /// The picture.
+    pub picture: Picture,
+    /// What drew it.
+    pub device: String,
+    /// Why it is not what was preferred, where that is so.
+    pub fallback: Option<String>,
+}
+
+/// Why there is no picture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DrawError {
+    /// What the device, or the search for one, said.
+    Device(String),
+    /// The shader is not valid, which is a mistake of the compiler's.
+    Shader(Diagnostic),
+}
+
+impl Display for DrawError {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        match self {
+            DrawError::Device(message) => f.write_str(message),
+            DrawError::Shader(diagnostic) => f.write_str(&diagnostic.message),
+        }
+    }
+}
+
+impl std::error::Error for DrawError {}
+
+impl Shader {
+    /// Draws the scene.
+    pub fn draw(
+        &self,
+        frame: &Frame,
+        device: &Device,
+        language: Language,
+        progress: Progress,
+        clock: &mut Clock,
+    ) -> Result<Drawing, DrawError> {
+        match device {
+            Device::Cpu => Ok(self.draw_on_cpu(frame, None, progress, clock)),
+            Device::Gpu | Device::Named(_) => self.draw_on_gpu(frame, device, language, progress, clock),
+            Device::Auto => match self.draw_on_gpu(frame, device, language, progress, clock) {
+                Err(DrawError::Device(why)) => Ok(self.draw_on_cpu(frame, Some(why), progress, clock)),
+                other => other,
+            },
+        }
+    }
+
+    fn draw_on_cpu(
+        &self,
+        frame: &Frame,
+        fallback: Option<String>,
+        progress: Progress,
+        clock: &mut Clock,
+    ) -> Drawing {
+        let (picture, _) =
+            clock.time("draw on the CPU", || cpu::render_with(&self.program, frame, false, progress));
+        Drawing { picture, device: "CPU".into(), fallback }
+    }
+
+    #[cfg(feature = "gpu")]
+    fn draw_on_gpu(
+        &self,
+        frame: &Frame,
+        device: &Device,
+        language: Language,
+        progress: Progress,
+        clock: &mut Clock,
+    ) -> Result<Drawing, DrawError> {
+        use crate::Target;
+        use sdf_emit::UniformLayout;
+        use sdf_render::gpu::{DevicePreference, Gpu, Shader as Text};
+
+        /// The side of the tiles that are drawn at once, in pixels: small enough that no driver loses patience.
+        const TILE: u32 = 128;
+
+        let preference = match device {
+            Device::Named(name) => DevicePreference::Named(name.clone()),
+            Device::Auto | Device::Gpu | Device::Cpu => DevicePreference::Any,
+        };
+        let failed = |error: sdf_render::gpu::GpuError| DrawError::Device(error.to_string());
+        let gpu = clock.time("open the device", || Gpu::new(&preference)).map_err(failed)?;
+        let target = match language {
+            Language::Wgsl => Target::Wgsl,
+            Language::Glsl => Target::Glsl450,
+        };
+        let text = clock.time("write and validate", || self.text(target));
+        let text = text.map_err(DrawError::Shader)?;
+        let text = match language {
+            Language::Wgsl => Text::Wgsl(&text),
+            Language::Glsl => Text::Glsl450(&text),
+        };
+        let size = [frame.width, frame.height];
+        let values = frame.uniforms(&self.program);
+        let uniforms = UniformLayout::of(&self.program).bytes(size, &values);
+        let mut tell = |done: u32, of: u32| progress(f64::from(done) / f64::from(of));
+        let rgba =
+            clock.time("draw", || gpu.render(text, size, &uniforms, TILE, &mut tell)).map_err(failed)?;
+        let picture = Picture { width: frame.width, height: frame.height, rgba };
+        Ok(Drawing { picture, device: gpu.name().name.clone(), fallback: None })
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn draw_on_gpu(
+        &self,
+        _: &Frame,
+        _: &Device,
+        _: Language,
+        _: Progress,
+        _: &mut Clock,
+    ) -> Result<Drawing, DrawError> {
+        Err(DrawError::Device("this build of sdfc cannot use graphics devices".into()))
+    }
+}

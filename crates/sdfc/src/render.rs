@@ -1,0 +1,75 @@
+//! `sdfc render scene.sdf -o scene.png`
+
+use crate::arguments::RenderArguments;
+use crate::compile::{our_mistake, shader};
+use crate::failure::Failure;
+use crate::input;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::terminal::Terminal;
+use sdfc::{Clock, DrawError, Drawing, Frame};
+
+/// Draws a scene to a PNG file.
+pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failure> {
+    must_be_png(arguments)?;
+    let output = Output::prepare(&arguments.output, &arguments.scene)?;
+    let mut clock = Clock::default();
+    let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
+    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), &mut clock);
+    terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
+    let shader = shader(&compiled)?;
+
+    let (width, height) = arguments.size;
+    let frame = Frame { time: arguments.time, ..Frame::new(width, height) };
+    let progress = Progress::new("drawing");
+    let show = |part| progress.show(part);
+    let drawing = shader.draw(&frame, &arguments.device, arguments.shader.into(), &show, &mut clock);
+    progress.end();
+    let drawing = drawing.map_err(|error| match error {
+        DrawError::Device(message) => Failure::Device(message),
+        DrawError::Shader(bug) => our_mistake(bug, &compiled, terminal),
+    })?;
+    if let Some(why) = &drawing.fallback {
+        terminal.note(&format!("drawn on the CPU: {}", why.lines().next().unwrap_or_default()));
+    }
+    let bytes = clock.time("encode", || png(&drawing, &source.text, arguments))?;
+    clock.time("save", || output.write(&bytes))?;
+    if arguments.timings {
+        terminal.note(&format!("drawn by {}", drawing.device));
+        terminal.timings(&clock);
+    }
+    Ok(())
+}
+
+fn must_be_png(arguments: &RenderArguments) -> Result<(), Failure> {
+    let path = &arguments.output;
+    let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if is_png || input::is_dash(path) {
+        return Ok(());
+    }
+    let failure = Failure::call(format!("{} is not the name of a .png file", path.display()));
+    Err(match path.extension().and_then(|extension| extension.to_str()) {
+        Some("glsl" | "frag" | "wgsl") => failure.help(format!(
+            "a shader is written without `render`: `sdfc {} -o {}`",
+            arguments.scene.display(),
+            path.display()
+        )),
+        _ => failure.help("pictures are written as PNG: `-o scene.png`"),
+    })
+}
+
+/// The file: the picture, the scene, and how it was drawn.
+fn png(drawing: &Drawing, source: &str, arguments: &RenderArguments) -> Result<Vec<u8>, Failure> {
+    let (width, height) = arguments.size;
+    let mut settings = format!("--size {width}x{height} --time {}", arguments.time);
+    for (name, value) in &arguments.set.values {
+        settings.push_str(&format!(" --set {name}={value}"));
+    }
+    let software = format!("sdfc {}", sdfc::VERSION);
+    let texts = [("Software", software.as_str()), ("Source", source), ("Settings", &settings)];
+    let mut bytes = Vec::new();
+    match drawing.picture.write_png(&mut bytes, &texts) {
+        Ok(()) => Ok(bytes),
+        Err(error) => Err(Failure::call(format!("the picture cannot be encoded: {error}"))),
+    }
+}

@@ -1,0 +1,371 @@
+//! Whole fields: every function of the standard library and every example, on the interpreter in `f32` and `f64`, on
+//! the software driver, and their gradients by three ways.
+
+use sdf_emit::KernelLanguage;
+use sdf_ir::Program;
+use sdf_lang::Options;
+use sdf_syntax::tree::ItemKind;
+use sdf_tests::fields::{
+    Field, Spread, by_duals, entry, nasty_points, on_hardware, points, run, spread, wide,
+};
+use sdf_tests::run::{lavapipe, on_device};
+use sdf_tests::scenes::examples;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// How many points each field is computed at on the driver.
+const COUNT: usize = 1 << 16;
+/// How many units the driver and the interpreter may lie apart; see [`Spread`].
+const DRIVER: f64 = 4.0;
+/// How many units `f32` and `f64` may lie apart.
+const ROUNDING: f64 = 64.0;
+/// The largest share of points at creases and jumps, where less can be said.
+const STEEP: f64 = 0.004;
+
+/// Calls of each function of the library, at least as many as it has forms. Children stand off the centre and have
+/// no symmetry, which could hide a mistake.
+const CALLS: &[(&str, &[&str])] = &[
+    // shapes.sdf
+    ("sphere", &["sphere(0.7)"]),
+    ("box", &["box((0.5, 0.8, 0.3))"]),
+    ("round_box", &["round_box((0.5, 0.8, 0.3), 0.1)"]),
+    ("torus", &["torus(1, 0.3)"]),
+    ("plane", &["plane()", "plane((1, 2, -0.5), 0.3)"]),
+    ("cylinder", &["cylinder(0.6, 1.2)"]),
+    ("capsule", &["capsule((-0.5, 0.1, 0.3), (0.9, 1.2, -0.4), 0.25)"]),
+    ("cone", &["cone(0.8, 1.1)"]),
+    ("ellipsoid", &["ellipsoid((0.5, 1.1, 0.8))"]),
+    ("octahedron", &["octahedron(1.2)"]),
+    ("nothing", &["nothing() | sphere(0.5).at(0.2, 0.1, 0.4)"]),
+    // plane.sdf
+    ("circle", &["field { circle(0.7)(p.xy) }"]),
+    ("rect", &["field { rect((0.5, 0.9))(p.xy) }"]),
+    ("polygon", &["field { polygon([(-1, -0.5), (1.2, -0.7), (0.3, 0.2), (0.4, 1.1)])(p.xy) }"]),
+    ("extrude", &["rect((0.5, 0.9)).at(0.3, 0.1).extrude(0.4)"]),
+    ("revolve", &["rect((0.3, 0.5)).at(0.1, 0.2).revolve(0.9)"]),
+    // combine.sdf
+    (
+        "union",
+        &[
+            "union(sphere(0.5), box((0.5, 0.3, 0.4)).at(0.6, 0.2, -0.1))",
+            "field { union(circle(0.6), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
+        ],
+    ),
+    (
+        "intersection",
+        &[
+            "intersection(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1))",
+            "field { intersection(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
+        ],
+    ),
+    (
+        "difference",
+        &[
+            "difference(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), sphere(0.3).at(0, 0.8, 0.1))",
+            "field { difference(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
+        ],
+    ),
+    ("complement", &["!sphere(0.8).at(0.1, 0.2, 0.3)", "field { (!circle(0.8).at(0.1, 0.2))(p.xy) }"]),
+    (
+        "xor",
+        &[
+            "xor(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1))",
+            "field { xor(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
+        ],
+    ),
+    (
+        "smin",
+        &[
+            "smin(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.9, 0.2, -0.1), sphere(0.4).at(0, 1, 0.2), k: 0.3)",
+            "smin(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.9, 0.2, -0.1), k: 0)",
+            "field { smin(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
+            "field { smin(p.x, p.y * 0.5 + 0.2, 0.3) }",
+        ],
+    ),
+    (
+        "smax",
+        &[
+            "smax(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), k: 0.3)",
+            "field { smax(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
+            "field { smax(p.x, p.y * 0.5 + 0.2, 0.3) }",
+        ],
+    ),
+    ("blend", &["field { blend(p.x, p.y * 0.5 + 0.2, 0.5, 0.5) }"]),
+    (
+        "sdiff",
+        &[
+            "sdiff(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), k: 0.3)",
+            "field { sdiff(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
+        ],
+    ),
+    // operate.sdf
+    (
+        "round",
+        &["box((0.5, 0.8, 0.3)).at(0.1, 0.2, 0).round(0.2)", "field { rect((0.5, 0.8)).round(0.2)(p.xy) }"],
+    ),
+    (
+        "shell",
+        &["box((0.5, 0.8, 0.3)).at(0.1, 0.2, 0).shell(0.2)", "field { rect((0.5, 0.8)).shell(0.2)(p.xy) }"],
+    ),
+    ("elongate", &["sphere(0.5).at(0.1, 0, 0.2).elongate((0.3, 0.6, 0))"]),
+    ("displace", &["sphere(1).at(0.1, 0, 0.2).displace(|p| 0.1 * sin(3 * p.x) * sin(4 * p.y))"]),
+    ("at", &["sphere(1).at(0.1, 0.7, -0.2)", "field { circle(1).at(0.1, 0.7)(p.xy) }"]),
+    (
+        "rotate",
+        &[
+            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate((1, 2, 3), 40deg)",
+            "field { rect((0.5, 0.3)).at(0.3, 0.2).rotate(40deg)(p.xy) }",
+            "field { rotate(p, (1, 2, 3), p.x).y }",
+            "field { rotate(p.xy, p.z).y }",
+        ],
+    ),
+    ("turn", &["field { turn(p, (0, 0.6, 0.8), 0.6, 0.8).z }"]),
+    ("rotate_x", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_x(40deg)"]),
+    ("rotate_y", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_y(40deg)"]),
+    ("rotate_z", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_z(40deg)"]),
+    (
+        "scale",
+        &[
+            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).scale(1.7)",
+            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).scale((1.7, 0.6, 1.1))",
+            "field { rect((0.5, 0.3)).at(0.3, 0.2).scale(1.7)(p.xy) }",
+        ],
+    ),
+    (
+        "mirror",
+        &[
+            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).mirror((1, 2, 0), 0.1)",
+            "field { rect((0.5, 0.3)).at(0.3, 0.2).mirror((1, 2), 0.1)(p.xy) }",
+        ],
+    ),
+    ("twist", &["box((0.5, 0.9, 0.2)).at(0.3, 0.2, -0.1).twist(1.1)"]),
+    ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }", "field { sum(cells(p.x, false)) + p.y }"]),
+    (
+        "repeat",
+        &[
+            "box((0.2, 0.3, 0.1)).at(0.1, 0.2, -0.1).repeat(x: 1.3, z: 0.9)",
+            "field { rect((0.2, 0.3)).at(0.1, 0.1).repeat(x: 1.3, y: 1.1)(p.xy) }",
+        ],
+    ),
+    // color.sdf
+    ("checker", &["field { checker(p.xz, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4), 0.7).y }"]),
+    ("stripes", &["field { stripes(p.x, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4), 0.7).y }"]),
+    ("gradient", &["field { gradient(p.x, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4)).y }"]),
+    ("fade", &["field { fade(fract(p.x)) }", "field { fade(fract(p.xy)).y }", "field { fade(fract(p)).z }"]),
+    (
+        "corner",
+        &["field { corner(2, p.x) }", "field { corner((1, 2), p.xy) }", "field { corner((1, 2, 3), p) }"],
+    ),
+    ("noise", &["field { noise(p.x) }", "field { noise(p.xy) }", "field { noise(p) }"]),
+];
+
+/// How many functions of each name the library has.
+fn library() -> BTreeMap<String, usize> {
+    let compilation = sdf_lang::compile("", "scene { sphere(1) }", &Options::default());
+    let mut names = BTreeMap::new();
+    for id in (0..).map(sdf_syntax::FileId) {
+        let Some(source) = compilation.sources.get(id) else { break };
+        if source.name.starts_with("<std/") {
+            let (tree, _) = sdf_syntax::parse(id, &source.text);
+            for item in &tree.items {
+                if let ItemKind::Fn(function) = &item.kind {
+                    *names.entry(function.name.text.to_string()).or_default() += 1;
+                }
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn every_function_of_the_library_is_called() {
+    let library = library();
+    assert!(library.len() > 40, "the library was not found");
+    let calls: BTreeMap<&str, usize> = CALLS.iter().map(|(name, calls)| (*name, calls.len())).collect();
+    let missing = |(name, forms): &(&String, &usize)| calls.get(name.as_str()).is_none_or(|n| n < forms);
+    let missing: Vec<_> = library.iter().filter(missing).collect();
+    assert!(missing.is_empty(), "without a call for each form: {missing:?}");
+    let unknown: Vec<_> = calls.keys().filter(|name| !library.contains_key(**name)).collect();
+    assert!(unknown.is_empty(), "not in the library: {unknown:?}");
+    for (name, calls) in CALLS {
+        let named = |call: &&&str| call.contains(&format!("{name}(")) || *name == "complement";
+        assert!(calls.iter().all(|call| named(&call)), "a call of `{name}` does not call it");
+    }
+}
+
+/// All fields: those of the library's functions and of the examples.
+fn fields() -> Vec<(String, Field)> {
+    let calls = CALLS.iter().flat_map(|(_, calls)| *calls);
+    let calls = calls.map(|call| ((*call).to_string(), Field::of_expression(call)));
+    let examples =
+        examples().into_iter().map(|e| (format!("examples/{}", e.name), Field::of(&e.name, &e.text)));
+    calls.chain(examples).collect()
+}
+
+/// The driver against the `f32` lanes, for one program.
+fn on_driver(program: &Program, points: &[Vec<f32>]) -> Spread {
+    let hardware = on_hardware(program);
+    let expected = wide(&run::<f32>(&hardware, points));
+    let words = on_device(lavapipe(), &hardware, entry(&hardware), KernelLanguage::Wgsl, points);
+    let found: Vec<Vec<f64>> =
+        words.iter().map(|column| column.iter().map(|w| f64::from(f32::from_bits(*w))).collect()).collect();
+    spread(points, &expected, &found, DRIVER, |near| run::<f64>(program, near))
+}
+
+/// The `f32` lanes against `f64`.
+fn in_f32(program: &Program, points: &[Vec<f32>]) -> Spread {
+    let found = wide(&run::<f32>(&on_hardware(program), points));
+    let expected = run::<f64>(program, &wide(points));
+    spread(points, &expected, &found, ROUNDING, |near| run::<f64>(program, near))
+}
+
+/// Notes a comparison in a table, and what is wrong with it.
+fn note(name: &str, what: &str, spread: &Spread, table: &mut String, complaints: &mut String) {
+    let Spread { points, unequal, worst, steep, wrong } = spread;
+    let share = 100.0 * *unequal as f64 / *points as f64;
+    let short: String = name.chars().take(60).collect();
+    writeln!(
+        table,
+        "{short:<60} {what:<9} {points:>6} {share:>8.3}% {worst:>7.1} {steep:>6} {:>6}",
+        wrong.len()
+    )
+    .expect("a string grows");
+    if !wrong.is_empty() {
+        let some = wrong.iter().take(3).map(|w| format!("    {w}\n")).collect::<String>();
+        *complaints += &format!("{name}, {what}: {} wrong\n{some}", wrong.len());
+    }
+    if *steep as f64 > *points as f64 * STEEP {
+        *complaints += &format!("{name}, {what}: {steep} of {points} points are at creases or jumps\n");
+    }
+}
+
+const HEAD: &str = "field                                                        what      points  unequal   units  steep  wrong\n";
+
+#[test]
+fn the_driver_computes_what_the_lanes_compute() {
+    let (mut table, mut complaints) = (String::from(HEAD), String::new());
+    let points = points(COUNT);
+    for (name, field) in fields() {
+        for (what, program) in [("distance", &field.distance), ("gradient", &field.gradient)] {
+            note(&name, what, &on_driver(program, &points), &mut table, &mut complaints);
+        }
+    }
+    keep("fields_on_driver.txt", &table);
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+/// Creases pass through such points by nature, so only that all is finite and the distances agree is asked.
+#[test]
+fn nothing_is_infinite_at_nasty_points() {
+    let (mut table, mut complaints) = (String::from(HEAD), String::new());
+    let points = nasty_points();
+    for (name, field) in fields() {
+        let spread = Spread { steep: 0, ..on_driver(&field.distance, &points) };
+        note(&name, "distance", &spread, &mut table, &mut complaints);
+        let hardware = on_hardware(&field.gradient);
+        let words = on_device(lavapipe(), &hardware, entry(&hardware), KernelLanguage::Wgsl, &points);
+        let lanes = run::<f32>(&hardware, &points);
+        let wrong = |i: &usize| {
+            lanes.iter().any(|c| !c[*i].is_finite())
+                || words.iter().any(|c| !f32::from_bits(c[*i]).is_finite())
+        };
+        if let Some(i) = (0..points[0].len()).find(wrong) {
+            let point: Vec<f32> = points.iter().map(|c| c[i]).collect();
+            complaints += &format!("{name}: the gradient at {point:?} is not finite\n");
+        }
+    }
+    keep("fields_at_nasty_points.txt", &table);
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+#[test]
+fn the_lanes_compute_what_the_language_means() {
+    let (mut table, mut complaints) = (String::from(HEAD), String::new());
+    let points = points(1 << 14);
+    for (name, field) in fields() {
+        note(&name, "distance", &in_f32(&field.distance, &points), &mut table, &mut complaints);
+    }
+    keep("fields_in_f32.txt", &table);
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+/// The largest share of points that lie too near a crease for differences.
+const LEFT_OUT: f64 = 0.01;
+/// The step of the differences.
+const STEP: f64 = 1e-5;
+
+/// What is wrong with a gradient, by dual numbers and by differences, and how many points were left out.
+fn gradient_complaint(field: &Field, points: &[Vec<f64>]) -> (usize, Option<String>) {
+    let found = run::<f64>(&field.gradient, points);
+    let duals = by_duals(&field.distance, points);
+    let moved = |axis: usize, by: f64| {
+        let mut points = points.to_vec();
+        points[axis].iter_mut().for_each(|x| *x += by);
+        run::<f64>(&field.distance, &points).remove(0)
+    };
+    let mut left_out = vec![false; points[0].len()];
+    let mut complaint = None;
+    for axis in 0..3 {
+        let (before, after) = (moved(axis, -STEP), moved(axis, STEP));
+        for i in 0..left_out.len() {
+            let (here, gradient, dual) = (found[0][i], found[1 + axis][i], duals[axis][i]);
+            let forward = (after[i] - here) / STEP;
+            let backward = (here - before[i]) / STEP;
+            let size = 1.0 + gradient.abs();
+            let crease = (forward - backward).abs() > 1e-3 * size;
+            left_out[i] |= crease;
+            let central = (forward + backward) / 2.0;
+            let agrees = (gradient - dual).abs() <= 1e-9 * size;
+            if !agrees || !crease && (gradient - central).abs() > 1e-4 * size {
+                let point: Vec<f64> = points.iter().map(|c| c[i]).collect();
+                complaint.get_or_insert_with(|| {
+                    format!(
+                        "at {point:?} by axis {axis}: {gradient}, {dual} by duals, {central} by differences"
+                    )
+                });
+            }
+        }
+    }
+    (left_out.iter().filter(|out| **out).count(), complaint)
+}
+
+#[test]
+fn gradients_are_those_of_duals_and_differences() {
+    let mut table = String::from("field                                                        left out\n");
+    let mut complaints = String::new();
+    let points = wide(&points(1 << 13));
+    for (name, field) in fields() {
+        let (left_out, complaint) = gradient_complaint(&field, &points);
+        let short: String = name.chars().take(60).collect();
+        let share = left_out as f64 / points[0].len() as f64;
+        writeln!(table, "{short:<60} {:>7.3}%", 100.0 * share).expect("a string grows");
+        if share > LEFT_OUT {
+            complaints += &format!("{name}: {left_out} points lie near creases\n");
+        }
+        if let Some(complaint) = complaint {
+            complaints += &format!("{name} {complaint}\n");
+        }
+    }
+    keep("gradients.txt", &table);
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+/// The measures can fail: another radius, and the gradient of another shape.
+#[test]
+fn other_fields_are_told_apart() {
+    let (here, there) = (Field::of_expression("sphere(0.7)"), Field::of_expression("sphere(0.70001)"));
+    let points = points(1 << 10);
+    let results = |field: &Field| run::<f64>(&field.distance, &wide(&points));
+    let spread =
+        spread(&points, &results(&here), &results(&there), DRIVER, |near| run::<f64>(&here.distance, near));
+    assert_eq!(spread.wrong.len(), 1 << 10);
+    let mixed = Field { gradient: Field::of_expression("sphere(0.7).at(0, 0.01, 0)").gradient, ..here };
+    assert!(gradient_complaint(&mixed, &wide(&points)).1.is_some());
+}
+
+/// Prints a table, and leaves it in the folder of what was built.
+fn keep(name: &str, table: &str) {
+    println!("{table}");
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, table).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+}

@@ -29,9 +29,9 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
-    /// What items require, by their place in memory.
     /// The slopes that functions state for their fields, by their places in memory.
     pub slopes: HashMap<*const (), &'t Expr>,
+    /// What items require, by their places in memory.
     pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
     all_functions: Vec<&'t Function>,
 }
@@ -263,7 +263,7 @@ fn requirements<'t>(
 }
 
 /// What `@lipschitz(e)` states.
-fn stated_slope<'t>(attributes: &'t [Attribute]) -> Option<&'t Expr> {
+fn stated_slope(attributes: &[Attribute]) -> Option<&Expr> {
     attributes.iter().find(|a| &*a.name.text == "lipschitz").and_then(|a| match &a.arguments[..] {
         [AttributeArgument::Expr(e)] => Some(e),
         _ => None,

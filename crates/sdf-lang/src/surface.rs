@@ -473,7 +473,7 @@ impl<'t> Elaborator<'t> {
             return distance;
         }
         let outside = self.contexts.import(&distance, depth - 1);
-        if let Some(same) = samples.iter().find(|s| s.outside == outside) {
+        if let Some(same) = samples.iter().find(|s| s.outside == outside && Rc::ptr_eq(&s.shape, shape)) {
             return self.contexts.local(depth, same.stand_in, Type::Float);
         }
         let at_caller = self.contexts.local(depth - 1, outside, Type::Float);

@@ -45,6 +45,7 @@ pub(crate) fn elaborate(
         active: HashMap::new(),
         calls: 0,
         work: 0,
+        exhausted: false,
     };
     let scene = elaborator.scene(options);
     let Elaborator { contexts, diagnostics, .. } = elaborator;

@@ -6,7 +6,7 @@ use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
-use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Options, Scene, Summary};
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
@@ -255,7 +255,7 @@ impl<'t> Elaborator<'t> {
             }
         };
         let known = |block, name| match field(block, name) {
-            Some(Value::Number(Number { repr: crate::value::Repr::Static(c), .. })) => Some(c),
+            Some(Value::Number(n)) => self.contexts.setting(&n),
             _ => None,
         };
         let mut summary = Summary { shapes, ..Summary::default() };

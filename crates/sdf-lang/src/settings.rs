@@ -3,7 +3,7 @@
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::value::{Callable, Env, Module, Number, Value};
-use sdf_ir::{Binary, Constant, Type, Unary};
+use sdf_ir::{Binary, Constant, Role, Type, Unary, Uniform};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
 use std::collections::HashMap;
@@ -386,6 +386,12 @@ impl<'t> Elaborator<'t> {
         self.refuse(&block, field, what, "leave the block out for now")
     }
 
+    /// A setting that the emitted text keeps as a constant with a name, for a reader to change.
+    fn named_constant(&mut self, name: &str, value: f64) -> Value<'t> {
+        let (name, default) = (Arc::from(name), Constant::Float(value));
+        Value::Number(self.contexts.uniform(Uniform { name, ty: Type::Float, role: Role::Setting, default }))
+    }
+
     fn render_settings(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Render, "render", RENDER);
         // All are looked at before the first mistake ends it, so that all mistakes are reported.
@@ -417,9 +423,9 @@ impl<'t> Elaborator<'t> {
         self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
         let steps = steps.round();
         Ok(Value::record(vec![
-            (Arc::from("tolerance"), Value::float(tolerance)),
+            (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
             (Arc::from("steps"), Value::float(steps)),
-            (Arc::from("far"), Value::float(far)),
+            (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(relax == "auto")),
         ]))
     }

@@ -29,7 +29,9 @@ impl Wrapper<'_> {
             |start: &str| if self.loops { format!("\n#define ZERO {start}\n") } else { String::new() };
         let settings = self.settings(target);
         match target {
-            Target::Shadertoy => format!("{}{settings}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)")),
+            Target::Shadertoy => {
+                format!("{}{settings}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)"))
+            }
             Target::GlslEs => format!("{}{settings}{}", self.loose_uniforms(), loops("0")),
             Target::Glsl450 => format!("{}{settings}{}", self.glsl_block(), loops("0")),
             Target::Wgsl => format!("{}{settings}", self.wgsl_block()),
@@ -72,7 +74,9 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
     /// The accuracy settings as named constants.
     fn settings(&self, target: Target) -> String {
         let mut out = String::new();
-        for (uniform, Expression { text: name, .. }) in self.program.uniforms.iter().zip(&self.symbols.uniforms) {
+        for (uniform, Expression { text: name, .. }) in
+            self.program.uniforms.iter().zip(&self.symbols.uniforms)
+        {
             if uniform.role == Role::Setting {
                 let (value, what) = (constant(&uniform.default), meaning(uniform));
                 out += &match target {

@@ -70,12 +70,21 @@ pub(crate) struct Elaborator<'t> {
     /// How many calls that is together.
     pub calls: u32,
     pub work: usize,
+    /// How far rays have to go in a scene that the camera frames by itself.
+    pub framed: Option<f64>,
+    /// What of the user's file is being evaluated.
+    pub place: Span,
     /// Whether the limit on work was reached.
     pub exhausted: bool,
 }
 
 impl<'t> Elaborator<'t> {
-    pub fn report<T>(&mut self, diagnostic: Diagnostic) -> Eval<T> {
+    pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
+        if diagnostic.span.file != crate::USER_FILE {
+            // What is wrong inside the library was caused by what the user's file asked of it.
+            diagnostic.span = self.place;
+            diagnostic.related.clear();
+        }
         self.diagnostics.push(diagnostic);
         Err(Reported)
     }
@@ -87,6 +96,9 @@ impl<'t> Elaborator<'t> {
 
     /// Counts one piece of work, and refuses to do too much of it.
     fn count(&mut self, span: Span) -> Eval<()> {
+        if span.file == crate::USER_FILE {
+            self.place = span;
+        }
         self.work += 1;
         if self.work <= WORK_LIMIT && self.contexts.nodes <= NODE_LIMIT {
             return Ok(());
@@ -94,7 +106,7 @@ impl<'t> Elaborator<'t> {
         // It is said once; whatever is evaluated from now on is given up at once.
         if !self.exhausted {
             self.exhausted = true;
-            self.diagnostics.push(errors::too_large(span, "operations", NODE_LIMIT));
+            self.diagnostics.push(errors::too_large(self.place, "operations", NODE_LIMIT));
         }
         Err(Reported)
     }

@@ -193,6 +193,7 @@ impl<'t> Elaborator<'t> {
     /// The camera that frames the bounded parts of the scene from direction (1, 0.7, 1.5).
     fn frame_scene(&mut self, has_target: bool, target: &Number, fov: &Number) -> Eval<(Number, Number)> {
         let (center, radius) = self.scene_ball();
+        self.framed = Some((radius * 12.0).ceil());
         let target = if has_target {
             target.clone()
         } else {
@@ -397,7 +398,9 @@ impl<'t> Elaborator<'t> {
         // All are looked at before the first mistake ends it, so that all mistakes are reported.
         let tolerance = self.static_setting(&block, "tolerance", 0.1, (1e-4, 100.0));
         let steps = self.static_setting(&block, "steps", 256.0, (1.0, 4096.0));
-        let far = self.static_setting(&block, "far", 100.0, (1e-6, 1e18));
+        // A camera that frames a large scene stands far away from it.
+        let default_far = self.framed.map_or(100.0, |reach| reach.max(100.0));
+        let far = self.static_setting(&block, "far", default_far, (1e-6, 1e18));
         let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"]);
         let relax = self.word_setting(&block, "relax", &["auto", "none"]);
         let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"]);

@@ -187,11 +187,13 @@ fn uniforms_are_there_only_where_something_needs_them() {
     let uniforms = |text: &str, set: &[(&str, &str)]| -> Vec<String> {
         let scene = scene_set(text, set);
         let declared: Vec<String> = scene.program.uniforms.iter().map(|u| u.name.to_string()).collect();
+        let is_setting =
+            |n: &String| scene.program.uniforms.iter().any(|u| *u.name == **n && u.role == Role::Setting);
         let needed = Reached::of(&scene).uniforms;
         let mut sorted = declared.clone();
         sorted.sort();
         assert_eq!(sorted, needed.into_iter().collect::<Vec<_>>(), "declared and needed in {text}");
-        declared.into_iter().filter(|n| n != "resolution").collect()
+        declared.iter().filter(|n| *n != "resolution" && !is_setting(n)).cloned().collect()
     };
     assert_eq!(uniforms("scene { sphere(1) }", &[]), [""; 0]);
     assert_eq!(uniforms("scene { sphere(1 + time) }", &[]), ["time"]);

@@ -6,7 +6,7 @@
 
 use crate::build::Builder;
 use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// What the references of a copied function to its program become. As it stands, they stay the same.
@@ -99,15 +99,15 @@ pub(crate) struct Copy<'a> {
     links: &'a dyn Links,
     live: Vec<bool>,
     /// What stands for the arguments of each region that is being copied.
-    arguments: HashMap<RegionId, Vec<Value>>,
+    arguments: FxHashMap<RegionId, Vec<Value>>,
     /// What stands for each node copied so far: one value, or the parts of a tuple.
     copied: Vec<Vec<Value>>,
     /// The names of the state of loops.
-    argument_names: HashMap<(RegionId, u16), &'a Arc<str>>,
+    argument_names: FxHashMap<(RegionId, u16), &'a Arc<str>>,
 }
 
 /// The names that the source gives to arguments of regions.
-fn argument_names(source: &Function) -> HashMap<(RegionId, u16), &Arc<str>> {
+fn argument_names(source: &Function) -> FxHashMap<(RegionId, u16), &Arc<str>> {
     (0..source.node_count() as u32)
         .filter_map(|i| match (source.node(Value(i)), source.name_of(Value(i))) {
             (Node::Argument(region, index), Some(name)) => Some(((region, index), name)),
@@ -123,7 +123,7 @@ impl<'a> Copy<'a> {
             source,
             links,
             live: live(source),
-            arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
+            arguments: FxHashMap::from_iter([(RegionId::ROOT, arguments.to_vec())]),
             copied: vec![Vec::new(); source.node_count()],
             argument_names: argument_names(source),
         }

@@ -8,7 +8,7 @@
 use crate::build::Builder;
 use crate::copy::{Links, inline, live};
 use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
 /// The entry and the roots keep their parameters and results.
@@ -38,7 +38,7 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
             ..Program::default()
         },
         callees: program.functions.iter().map(|_| None).collect(),
-        known: HashMap::new(),
+        known: FxHashMap::default(),
     };
     for (index, function) in program.functions.iter().enumerate().filter(|(index, _)| reached[*index]) {
         let id = FunctionId(index as u32);
@@ -100,7 +100,7 @@ struct Rebuild {
     program: Program,
     callees: Vec<Option<Callee>>,
     /// The functions so far, without the names that do not matter.
-    known: HashMap<Function, FunctionId>,
+    known: FxHashMap<Function, FunctionId>,
 }
 
 impl Links for Rebuild {

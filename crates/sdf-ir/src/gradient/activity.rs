@@ -13,6 +13,9 @@ pub(super) struct Activity {
 impl Activity {
     /// The activity of a function by these of its parameters.
     pub(super) fn new(function: &Function, active: &[usize]) -> Activity {
+        if function.region_count() == 1 {
+            return Activity { tuples: FxHashMap::default() };
+        }
         let mut search = Search {
             function,
             active,

@@ -16,10 +16,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// and yields what `of` is made from must have been inlined, or must be among `with_respect_to` itself.
 pub fn adjoints(builder: &mut Builder, of: Value, with_respect_to: &[Value]) -> Vec<Option<Value>> {
     let body = builder.function().region(RegionId::ROOT).body.clone();
-    let depends = depends(builder, &body, with_respect_to);
+    let sources: FxHashSet<Value> = with_respect_to.iter().copied().collect();
+    let depends = depends(builder, &body, &sources);
     let one = builder.float(1.0);
     let mut sweep = Sweep { depends, adjoints: FxHashMap::from_iter([(of, vec![Some(one)])]) };
-    for value in body.iter().rev().filter(|value| !with_respect_to.contains(value)) {
+    for value in body.iter().rev().filter(|value| !sources.contains(value)) {
         if sweep.depends.contains(value)
             && let Some(adjoint) = sweep.adjoints.remove(value)
         {
@@ -30,8 +31,8 @@ pub fn adjoints(builder: &mut Builder, of: Value, with_respect_to: &[Value]) -> 
 }
 
 /// The nodes that are made from one of `sources`, those included.
-fn depends(b: &Builder, body: &[Value], sources: &[Value]) -> FxHashSet<Value> {
-    let mut depends: FxHashSet<Value> = sources.iter().copied().collect();
+fn depends(b: &Builder, body: &[Value], sources: &FxHashSet<Value>) -> FxHashSet<Value> {
+    let mut depends = sources.clone();
     for value in body {
         let mut found = false;
         b.function().operands(*value, |operand| found |= depends.contains(&operand));

@@ -379,13 +379,17 @@ impl Builder {
 
     /// The node, shared with an equal one where that is in scope. Used by the rules, which have nothing left to do.
     pub(crate) fn push(&mut self, node: Node, ty: Option<Type>) -> Value {
-        if let Some(value) = self.find(node) {
-            return value;
+        let (_, outer) = self.scopes.split_last().expect("the root is always open");
+        if let Some(value) = outer.iter().rev().find_map(|(_, table)| table.get(&node)) {
+            return *value;
         }
-        let value = self.new_node(node, ty);
+        let next = Value(self.function.nodes.len() as u32);
         let (region, table) = self.scopes.last_mut().expect("the root is always open");
-        table.insert(node, value);
-        self.function.regions[region.0 as usize].body.push(value);
+        let value = *table.entry(node).or_insert(next);
+        if value == next {
+            self.function.regions[region.0 as usize].body.push(value);
+            self.new_node(node, ty);
+        }
         value
     }
 

@@ -138,6 +138,7 @@ const CALLS: &[(&str, &[&str])] = &[
             "field { rect((0.5, 0.3)).at(0.3, 0.2).mirror((1, 2), 0.1)(p.xy) }",
         ],
     ),
+    ("twist_slope", &["field { twist_slope(1.3, length(p.xz)) - 1.2 }"]),
     ("twist", &["box((0.5, 0.9, 0.2)).at(0.3, 0.2, -0.1).twist(1.1)"]),
     ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }", "field { sum(cells(p.x, false)) + p.y }"]),
     (

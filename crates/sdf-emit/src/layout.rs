@@ -26,8 +26,11 @@ pub struct UniformLayout {
 impl UniformLayout {
     /// The block of a program.
     pub fn of(program: &Program) -> UniformLayout {
-        let mut members: Vec<(Option<usize>, Type)> =
-            program.uniforms.iter().enumerate().map(|(i, u)| (Some(i), u.ty)).collect();
+        let mut members: Vec<(Option<usize>, Type)> = (0..)
+            .zip(&program.uniforms)
+            .filter(|(_, u)| u.role != Role::Setting)
+            .map(|(i, u)| (Some(i), u.ty))
+            .collect();
         if !program.uniforms.iter().any(|u| u.role == Role::Resolution) {
             members.push((None, Type::Vec2));
         }

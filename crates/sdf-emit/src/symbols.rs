@@ -40,6 +40,7 @@ impl Symbols {
         }
         let uniform_fields = uniform_names(program);
         let write = |(name, uniform): (&String, &Uniform)| match (target, uniform.ty) {
+            _ if uniform.role == Role::Setting => Expression::atom(name.clone()),
             // No bool may lie in a block.
             (Target::Wgsl, Type::Bool) => {
                 Expression { text: format!("uniforms.{name} != 0u"), level: Level::Comparison }
@@ -49,8 +50,11 @@ impl Symbols {
         };
         let uniforms = uniform_fields.iter().zip(&program.uniforms).map(write).collect();
         // Both languages give functions and values the same names, so both keep the uniforms' free.
-        for name in &uniform_fields {
-            taken.give(&format!("u_{name}"), "u");
+        for (name, uniform) in uniform_fields.iter().zip(&program.uniforms) {
+            match uniform.role {
+                Role::Setting => taken.give(name, "SETTING"),
+                _ => taken.give(&format!("u_{name}"), "u"),
+            };
         }
         for name in ["u_resolution", "u_time", "u_mouse"] {
             taken.give(name, "u");
@@ -86,6 +90,7 @@ fn uniform_names(program: &Program) -> Vec<String> {
         Role::Resolution => "resolution".to_owned(),
         Role::Time => "time".to_owned(),
         Role::Mouse => "mouse".to_owned(),
+        Role::Setting => names.give(&u.name.to_uppercase(), "SETTING"),
         Role::Param { .. } => names.give(&u.name, "param"),
     };
     program.uniforms.iter().map(name).collect()

@@ -27,11 +27,14 @@ impl Wrapper<'_> {
     pub fn before(&self, target: Target) -> String {
         let loops =
             |start: &str| if self.loops { format!("\n#define ZERO {start}\n") } else { String::new() };
+        let settings = self.settings(target);
         match target {
-            Target::Shadertoy => format!("{}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)")),
-            Target::GlslEs => format!("{}{}", self.loose_uniforms(), loops("0")),
-            Target::Glsl450 => format!("{}{}", self.glsl_block(), loops("0")),
-            Target::Wgsl => self.wgsl_block(),
+            Target::Shadertoy => {
+                format!("{}{settings}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)"))
+            }
+            Target::GlslEs => format!("{}{settings}{}", self.loose_uniforms(), loops("0")),
+            Target::Glsl450 => format!("{}{settings}{}", self.glsl_block(), loops("0")),
+            Target::Wgsl => format!("{}{settings}", self.wgsl_block()),
         }
     }
 
@@ -66,6 +69,23 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
 "
             ),
         }
+    }
+
+    /// The accuracy settings as named constants.
+    fn settings(&self, target: Target) -> String {
+        let mut out = String::new();
+        for (uniform, Expression { text: name, .. }) in
+            self.program.uniforms.iter().zip(&self.symbols.uniforms)
+        {
+            if uniform.role == Role::Setting {
+                let (value, what) = (constant(&uniform.default), meaning(uniform));
+                out += &match target {
+                    Target::Wgsl => format!("const {name}: f32 = {value}; // {what}\n"),
+                    _ => format!("const float {name} = {value}; // {what}\n"),
+                };
+            }
+        }
+        if out.is_empty() { out } else { format!("\n{out}") }
     }
 
     /// The members of the uniform block: type, name and offset.
@@ -127,6 +147,9 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
         for (uniform, Expression { text: name, .. }) in
             self.program.uniforms.iter().zip(&self.symbols.uniforms)
         {
+            if uniform.role == Role::Setting {
+                continue;
+            }
             writeln!(out, "uniform {} {name}; // {}", GLSL.ty(uniform.ty), meaning(uniform))
                 .expect("writing to a string cannot fail");
         }
@@ -143,6 +166,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
             self.program.uniforms.iter().zip(&self.symbols.uniforms)
         {
             out += &match uniform.role {
+                Role::Setting => String::new(),
                 Role::Time => format!("#define {name} iTime\n"),
                 Role::Resolution => format!("#define {name} iResolution.xy\n"),
                 // The middle, until the pointer is used.
@@ -164,6 +188,11 @@ const RESOLUTION: &str = "width and height of the picture in pixels";
 /// What a uniform is for, as a comment.
 fn meaning(uniform: &Uniform) -> String {
     match uniform.role {
+        Role::Setting => match &*uniform.name {
+            "tolerance" => "pixels: how far from the true surface a hit may be".to_owned(),
+            "far" => "how far a ray goes".to_owned(),
+            other => format!("the setting {other}"),
+        },
         Role::Time => "seconds".to_owned(),
         Role::Mouse => "the pointer, 0 to 1 from the bottom left".to_owned(),
         Role::Resolution => RESOLUTION.to_owned(),

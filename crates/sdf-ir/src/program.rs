@@ -431,6 +431,9 @@ pub enum Role {
     Mouse,
     /// The picture's width and height in pixels. A vec2.
     Resolution,
+    /// A setting that decides about accuracy: a named constant in every text, which a reader may change. Its value
+    /// is always the default.
+    Setting,
     /// A param of the scene, with the ends of its range where it has one.
     Param {
         /// The range of a float, both ends included.

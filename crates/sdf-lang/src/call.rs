@@ -240,7 +240,9 @@ impl<'t> Elaborator<'t> {
         let chosen = match (fits.len(), exact) {
             (0, _) => {
                 let signatures: Vec<String> = candidates.iter().map(|c| signature(name, &slots(c))).collect();
-                let why = if reasons.len() == 1 { reasons.remove(0) } else { String::new() };
+                let named = reasons.iter().find(|why| why.contains("is named")).cloned();
+                let why = named
+                    .unwrap_or_else(|| if reasons.len() == 1 { reasons.remove(0) } else { String::new() });
                 return self.report(errors::no_fit(span, name, &given.describe(), &why, &signatures));
             }
             (1, _) => 0,
@@ -609,7 +611,8 @@ fn fit_plain<'t>(
                 })
                 .collect();
             for item in &items {
-                widened += takes(slot, item)?;
+                widened += takes(slot, item)
+                    .map_err(|why| named_instead(&slots[next + 1..], named).unwrap_or(why))?;
             }
             widened += nothing_is_solid(slot, &items);
             arguments[next] = Some(Value::list(items));
@@ -646,7 +649,10 @@ fn fit_plain<'t>(
             widened += nothing_is_solid(slot, &[]);
             *argument = Some(Value::list(Vec::new()));
         } else if argument.is_none() && !slot.optional {
-            return Err(format!("`{}` is missing", slot.name));
+            return Err(match slots.iter().any(|s| s.variadic) {
+                true => format!("`{0}` is named: write `{0}: …`", slot.name),
+                false => format!("`{}` is missing", slot.name),
+            });
         }
     }
     Ok(Fit { arguments, widened })
@@ -655,6 +661,12 @@ fn fit_plain<'t>(
 /// `union()` of nothing is a solid: the plane's reading counts as the farther one.
 fn nothing_is_solid(slot: &Slot<'_>, items: &[Value<'_>]) -> u32 {
     u32::from(items.is_empty() && slot.kind == SlotKind::Type(TypeKind::Shape2))
+}
+
+/// What is to be said if a parameter behind a variadic one is missing: it can only be given by its name.
+fn named_instead(after: &[Slot<'_>], named: &[(&Name, Value<'_>)]) -> Option<String> {
+    let missing = after.iter().find(|s| !s.optional && named.iter().all(|(n, _)| &*n.text != s.name))?;
+    Some(format!("`{0}` is named: write `{0}: …`", missing.name))
 }
 
 /// Whether a parameter takes a value: 0 as it is, 1 widened.

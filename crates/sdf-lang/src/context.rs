@@ -330,6 +330,18 @@ impl Contexts {
         Number { repr: Repr::Frame(value), ty: uniform.ty, key: hash(&("uniform", index)), name }
     }
 
+    /// The value of a number that is static, or a setting that the text keeps as a constant.
+    pub fn setting(&self, number: &Number) -> Option<Constant> {
+        let Repr::Frame(value) = number.repr else { return number.known() };
+        match self.stack[0].builder.node(value) {
+            Node::Uniform(index) => {
+                let uniform = &self.program.uniforms[index as usize];
+                (uniform.role == sdf_ir::Role::Setting).then_some(uniform.default)
+            }
+            _ => None,
+        }
+    }
+
     /// Carries out an operation, where all its operands are known. Types must fit.
     pub fn apply(&mut self, op: Op, operands: &[Number]) -> Number {
         let depth = operands.iter().map(|n| home(&n.repr)).max().flatten();

@@ -21,7 +21,9 @@ pub(crate) fn unknown_name(
 pub(crate) fn no_point(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E050, span, format!("there is no point `{name}` here"))
         .label("only a field, a material or a sky has one")
-        .help(format!("write `field {{ … {name} … }}`, or take the point as a parameter"))
+        .help(format!(
+            "write `field {{ … {name} … }}` for a shape, `material {{ color: … {name} … }}` for a surface"
+        ))
 }
 
 pub(crate) fn defined_twice(name: &Name, first: Span) -> Diagnostic {

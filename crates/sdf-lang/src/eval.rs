@@ -30,7 +30,7 @@ const LOOP_LIMIT: usize = 65_536;
 /// How many nodes a program may have.
 const NODE_LIMIT: usize = 1_000_000;
 /// How many expressions elaboration may evaluate: what bounds the time of a nested expansion.
-const WORK_LIMIT: usize = 20_000_000;
+const WORK_LIMIT: usize = 8_000_000;
 
 /// The state of an item while it is needed.
 #[derive(Debug, Clone)]
@@ -70,10 +70,21 @@ pub(crate) struct Elaborator<'t> {
     /// How many calls that is together.
     pub calls: u32,
     pub work: usize,
+    /// How far rays have to go in a scene that the camera frames by itself.
+    pub framed: Option<f64>,
+    /// What of the user's file is being evaluated.
+    pub place: Span,
+    /// Whether the limit on work was reached.
+    pub exhausted: bool,
 }
 
 impl<'t> Elaborator<'t> {
-    pub fn report<T>(&mut self, diagnostic: Diagnostic) -> Eval<T> {
+    pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
+        if diagnostic.span.file != crate::USER_FILE {
+            // What is wrong inside the library was caused by what the user's file asked of it.
+            diagnostic.span = self.place;
+            diagnostic.related.clear();
+        }
         self.diagnostics.push(diagnostic);
         Err(Reported)
     }
@@ -85,13 +96,19 @@ impl<'t> Elaborator<'t> {
 
     /// Counts one piece of work, and refuses to do too much of it.
     fn count(&mut self, span: Span) -> Eval<()> {
-        self.work += 1;
-        if self.work > WORK_LIMIT || self.contexts.nodes > NODE_LIMIT {
-            self.work = 0;
-            self.contexts.nodes = 0;
-            return self.report(errors::too_large(span, "operations", NODE_LIMIT));
+        if span.file == crate::USER_FILE {
+            self.place = span;
         }
-        Ok(())
+        self.work += 1;
+        if self.work <= WORK_LIMIT && self.contexts.nodes <= NODE_LIMIT {
+            return Ok(());
+        }
+        // It is said once; whatever is evaluated from now on is given up at once.
+        if !self.exhausted {
+            self.exhausted = true;
+            self.diagnostics.push(errors::too_large(self.place, "operations", NODE_LIMIT));
+        }
+        Err(Reported)
     }
 
     /// Begins a call of the function at a place in memory; refuses a recursion that is too deep.

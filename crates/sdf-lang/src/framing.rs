@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// What is framed where nothing is bounded: a ball round a box of 2.
 const DEFAULT: ([f64; 3], f64) = ([0.0; 3], 1.732);
 /// Half the size of the cube that is searched; what reaches its border counts as unbounded.
-const REACH: f64 = 512.0;
+const REACH: f64 = 1_048_576.0;
 /// How fine the cells get, as a share of what they cover together.
 const FINEST: f64 = 0.04;
 /// How many distances to parts one level may take: where there are many parts, the cells stay larger.
@@ -106,7 +106,7 @@ impl Field {
     fn new<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Field> {
         elaborator.contexts.open(&Arc::from("extent"), None);
         let point = elaborator.contexts.entry_parameter("p", sdf_ir::Type::Vec3);
-        let Ok(distance) = elaborator.union_distance(parts, &point, Span::default()) else {
+        let Ok(distance) = elaborator.nearest_step(parts, &point, Span::default()) else {
             elaborator.contexts.discard();
             return None;
         };

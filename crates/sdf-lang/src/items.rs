@@ -95,7 +95,8 @@ impl<'t> Elaborator<'t> {
         match item {
             Item::Let(binding) => {
                 let value = self.eval(&binding.value, &env)?;
-                self.require(std::ptr::from_ref(binding).cast(), module, &env, binding.name.span)?;
+                let own = env.bind(binding.name.text.clone(), value.clone());
+                self.require(std::ptr::from_ref(binding).cast(), module, &own, binding.name.span)?;
                 Ok(match value {
                     Value::Number(n) => Value::Number(n.named(&binding.name.text)),
                     value if module == Module::User => {

@@ -29,9 +29,9 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
-    /// What items require, by their place in memory.
     /// The slopes that functions state for their fields, by their places in memory.
     pub slopes: HashMap<*const (), &'t Expr>,
+    /// What items require, by their places in memory.
     pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
     all_functions: Vec<&'t Function>,
 }
@@ -98,6 +98,13 @@ impl<'t> Names<'t> {
         if matches!(name, "p" | "n") {
             return errors::no_point(span, name);
         }
+        if UNBUILT.contains(&name) {
+            return errors::not_built_yet(
+                span,
+                &format!("`{name}`"),
+                "it is part of the language; use another for now",
+            );
+        }
         let own = self.module(module);
         let mut all: Vec<&str> = own.values.keys().map(|k| &**k).collect();
         all.extend(locals.iter().map(|l| &**l));
@@ -109,6 +116,13 @@ impl<'t> Names<'t> {
 
     /// What is said of a function that is not there.
     pub fn unknown_function(&self, name: &str, span: Span, module: Module) -> Diagnostic {
+        if UNBUILT.contains(&name) {
+            return errors::not_built_yet(
+                span,
+                &format!("`{name}`"),
+                "it is part of the language; use another for now",
+            );
+        }
         let mut all: Vec<&str> = self.function_names(module).collect();
         all.sort_unstable();
         errors::unknown_name(span, name, sdf_syntax::foreign_name(name), did_you_mean(name, all))
@@ -229,6 +243,81 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
     items
 }
 
+/// The names of the language's library that are not there yet.
+const UNBUILT: &[&str] = &[
+    "box_frame",
+    "capped_torus",
+    "link",
+    "infinite_cylinder",
+    "segment_cylinder",
+    "round_cylinder",
+    "capped_cone",
+    "infinite_cone",
+    "round_cone",
+    "solid_angle",
+    "cut_sphere",
+    "hollow_sphere",
+    "hex_prism",
+    "tri_prism",
+    "pyramid",
+    "tetrahedron",
+    "dodecahedron",
+    "icosahedron",
+    "rhombus_prism",
+    "triangle3",
+    "quad",
+    "tube",
+    "helix",
+    "gyroid",
+    "heightfield",
+    "menger",
+    "mandelbulb",
+    "round_rect",
+    "segment",
+    "ellipse",
+    "triangle",
+    "ngon",
+    "star",
+    "rhombus",
+    "trapezoid",
+    "parallelogram",
+    "pie",
+    "arc",
+    "ring",
+    "vesica",
+    "moon",
+    "heart",
+    "egg",
+    "cross2",
+    "bezier",
+    "half_plane",
+    "extrude_round",
+    "slice",
+    "chamfer",
+    "stairs",
+    "pipe",
+    "groove",
+    "tongue",
+    "engrave",
+    "morph",
+    "orient",
+    "flip",
+    "repeat_each",
+    "repeat_polar",
+    "bend",
+    "taper",
+    "shear",
+    "warp",
+    "palette",
+    "hsv",
+    "fbm",
+    "voronoi",
+    "lo",
+    "hi",
+    "reach",
+    "slope",
+];
+
 /// The attributes that the language has.
 const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
 
@@ -263,7 +352,7 @@ fn requirements<'t>(
 }
 
 /// What `@lipschitz(e)` states.
-fn stated_slope<'t>(attributes: &'t [Attribute]) -> Option<&'t Expr> {
+fn stated_slope(attributes: &[Attribute]) -> Option<&Expr> {
     attributes.iter().find(|a| &*a.name.text == "lipschitz").and_then(|a| match &a.arguments[..] {
         [AttributeArgument::Expr(e)] => Some(e),
         _ => None,

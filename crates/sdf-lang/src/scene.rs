@@ -6,7 +6,7 @@ use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
-use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Options, Scene, Summary};
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
@@ -45,6 +45,9 @@ pub(crate) fn elaborate(
         active: HashMap::new(),
         calls: 0,
         work: 0,
+        place: Span::default(),
+        framed: None,
+        exhausted: false,
     };
     let scene = elaborator.scene(options);
     let Elaborator { contexts, diagnostics, .. } = elaborator;
@@ -254,7 +257,7 @@ impl<'t> Elaborator<'t> {
             }
         };
         let known = |block, name| match field(block, name) {
-            Some(Value::Number(Number { repr: crate::value::Repr::Static(c), .. })) => Some(c),
+            Some(Value::Number(n)) => self.contexts.setting(&n),
             _ => None,
         };
         let mut summary = Summary { shapes, ..Summary::default() };
@@ -311,13 +314,20 @@ impl<'t> Elaborator<'t> {
 }
 
 /// The shapes that a union is made of, also where the union has a name; a shape that is none is its only part.
+/// Names inside names are left alone: each may be a union of others, and there would be no end of parts.
 pub(crate) fn parts_of_union<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
     match &shape.kind {
-        ShapeKind::Union { shapes } => shapes.iter().flat_map(parts_of_union).collect(),
-        ShapeKind::Named { inner, .. } => match &parts_of_union(inner)[..] {
+        ShapeKind::Named { inner, .. } => match &parts_of_unnamed(inner)[..] {
             [_] => vec![shape.clone()],
             parts => parts.to_vec(),
         },
+        _ => parts_of_unnamed(shape),
+    }
+}
+
+fn parts_of_unnamed<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
+    match &shape.kind {
+        ShapeKind::Union { shapes } => shapes.iter().flat_map(parts_of_unnamed).collect(),
         ShapeKind::Field { env, origin: Some(origin), .. }
             if origin.module == Module::Library && &*origin.name == "union" =>
         {
@@ -329,7 +339,7 @@ pub(crate) fn parts_of_union<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
                         Value::Shape(s) => Some(s),
                         _ => None,
                     })
-                    .flat_map(parts_of_union)
+                    .flat_map(parts_of_unnamed)
                     .collect(),
                 _ => vec![shape.clone()],
             }

@@ -3,7 +3,7 @@
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::value::{Callable, Env, Module, Number, Value};
-use sdf_ir::{Binary, Constant, Type, Unary};
+use sdf_ir::{Binary, Constant, Role, Type, Unary, Uniform};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
 use std::collections::HashMap;
@@ -138,22 +138,7 @@ impl<'t> Elaborator<'t> {
 
     fn camera(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
-        let projection = self.word_setting(&block, "projection", &["perspective", "orthographic"])?;
-        if projection == "orthographic" {
-            self.refuse(&block, "projection", "the orthographic projection", "use `perspective` for now")?;
-        }
-        if let Some(expr) = block.fields.get("orbit") {
-            let value = self.eval(expr, &Env::new(Module::User))?;
-            let orbit = self.as_typed(value, Type::Bool, expr.span)?;
-            if orbit.known() != Some(Constant::Bool(false)) {
-                self.refuse(
-                    &block,
-                    "orbit",
-                    "the orbiting camera",
-                    "move `eye` by `mouse` or `time` for now",
-                )?;
-            }
-        }
+        let unbuilt = self.unbuilt_camera(&block);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
         let fov = self.number_setting(&block, "fov", Constant::Float(std::f64::consts::FRAC_PI_4));
@@ -164,6 +149,7 @@ impl<'t> Elaborator<'t> {
             let span = block.fields.get("fov").map_or(Span::default(), |e| e.span);
             return self.report(errors::out_of_range(span, "`fov`", "more than 0 and less than 180deg"));
         }
+        unbuilt?;
         let eye = match block.fields.get("eye") {
             Some(_) => self.number_setting(&block, "eye", Constant::Vec3([0.0; 3]))?,
             None => {
@@ -185,9 +171,29 @@ impl<'t> Elaborator<'t> {
         Ok(fields([("eye", eye), ("target", target), ("up", up), ("fov", fov)]))
     }
 
+    /// The kinds of cameras that nothing draws yet.
+    fn unbuilt_camera(&mut self, block: &Block<'t>) -> Eval<()> {
+        let projection = self.word_setting(block, "projection", &["perspective", "orthographic"]);
+        let projection = match projection {
+            Ok("orthographic") => {
+                self.refuse(block, "projection", "the orthographic projection", "use `perspective` for now")
+            }
+            other => other.map(|_| ()),
+        };
+        let Some(expr) = block.fields.get("orbit") else { return projection };
+        let value = self.eval(expr, &Env::new(Module::User))?;
+        let orbit = self.as_typed(value, Type::Bool, expr.span)?;
+        if orbit.known() != Some(Constant::Bool(false)) {
+            let instead = "move `eye` by `mouse` or `time` for now";
+            self.refuse(block, "orbit", "the orbiting camera", instead)?;
+        }
+        projection
+    }
+
     /// The camera that frames the bounded parts of the scene from direction (1, 0.7, 1.5).
     fn frame_scene(&mut self, has_target: bool, target: &Number, fov: &Number) -> Eval<(Number, Number)> {
         let (center, radius) = self.scene_ball();
+        self.framed = Some((radius * 12.0).ceil());
         let target = if has_target {
             target.clone()
         } else {
@@ -357,33 +363,52 @@ impl<'t> Elaborator<'t> {
 
     /// Blocks that are part of the language and that nothing draws yet.
     fn unbuilt_effects(&mut self) -> Eval<()> {
-        let fog = self.settings_block(SettingsKind::Fog, "fog", FOG);
-        if fog.fields.contains_key("density") {
-            let density = self.number_setting(&fog, "density", Constant::Float(0.0))?;
-            if density.known() != Some(Constant::Float(0.0)) {
-                self.refuse(&fog, "density", "fog", "leave the block out for now")?;
-            }
+        let fog = self.unbuilt_effect(SettingsKind::Fog, FOG, "density", Constant::Float(0.0), "fog");
+        let none = Constant::Vec3([0.0; 3]);
+        let rim = self.unbuilt_effect(SettingsKind::Rim, RIM, "color", none, "rim light");
+        fog.and(rim)
+    }
+
+    /// An effect that a block calls for if `field` is not `nothing`.
+    fn unbuilt_effect(
+        &mut self,
+        kind: SettingsKind,
+        all: &'static [&'static str],
+        field: &str,
+        nothing: Constant,
+        what: &str,
+    ) -> Eval<()> {
+        let name = if kind == SettingsKind::Fog { "fog" } else { "rim" };
+        let block = self.settings_block(kind, name, all);
+        let value = self.number_setting(&block, field, nothing)?;
+        if value.known() == Some(nothing) {
+            return Ok(());
         }
-        let rim = self.settings_block(SettingsKind::Rim, "rim", RIM);
-        if rim.fields.contains_key("color") {
-            let color = self.number_setting(&rim, "color", Constant::Vec3([0.0; 3]))?;
-            if color.known() != Some(Constant::Vec3([0.0; 3])) {
-                self.refuse(&rim, "color", "rim light", "leave the block out for now")?;
-            }
-        }
-        Ok(())
+        self.refuse(&block, field, what, "leave the block out for now")
+    }
+
+    /// A setting that the emitted text keeps as a constant with a name, for a reader to change.
+    fn named_constant(&mut self, name: &str, value: f64) -> Value<'t> {
+        let (name, default) = (Arc::from(name), Constant::Float(value));
+        Value::Number(self.contexts.uniform(Uniform { name, ty: Type::Float, role: Role::Setting, default }))
     }
 
     fn render_settings(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Render, "render", RENDER);
-        let tolerance = self.static_setting(&block, "tolerance", 0.1, (1e-4, 100.0))?;
-        let steps = self.static_setting(&block, "steps", 256.0, (1.0, 4096.0))?;
-        let far = self.static_setting(&block, "far", 100.0, (1e-6, 1e18))?;
-        let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"])?;
-        let relax = self.word_setting(&block, "relax", &["auto", "none"])?;
-        let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"])?;
-        let antialias = self.static_setting(&block, "antialias", 1.0, (1.0, 8.0))?;
-        self.static_setting(&block, "bounces", 2.0, (0.0, 16.0))?;
+        // All are looked at before the first mistake ends it, so that all mistakes are reported.
+        let tolerance = self.static_setting(&block, "tolerance", 0.1, (1e-4, 100.0));
+        let steps = self.static_setting(&block, "steps", 256.0, (1.0, 4096.0));
+        // A camera that frames a large scene stands far away from it.
+        let default_far = self.framed.map_or(100.0, |reach| reach.max(100.0));
+        let far = self.static_setting(&block, "far", default_far, (1e-6, 1e18));
+        let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"]);
+        let relax = self.word_setting(&block, "relax", &["auto", "none"]);
+        let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"]);
+        let antialias = self.static_setting(&block, "antialias", 1.0, (1.0, 8.0));
+        let bounces = self.static_setting(&block, "bounces", 2.0, (0.0, 16.0));
+        let (tolerance, steps, far, normals) = (tolerance?, steps?, far?, normals?);
+        let (relax, tonemap, antialias) = (relax?, tonemap?, antialias?);
+        bounces?;
         if normals != "exact" {
             self.refuse(&block, "normals", "this kind of normals", "use `exact`, which costs least")?;
         }
@@ -401,9 +426,9 @@ impl<'t> Elaborator<'t> {
         self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
         let steps = steps.round();
         Ok(Value::record(vec![
-            (Arc::from("tolerance"), Value::float(tolerance)),
+            (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
             (Arc::from("steps"), Value::float(steps)),
-            (Arc::from("far"), Value::float(far)),
+            (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(relax == "auto")),
         ]))
     }

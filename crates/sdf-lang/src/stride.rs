@@ -46,15 +46,7 @@ impl<'t> Elaborator<'t> {
         }
         let parts = crate::scene::parts_of_union(shape);
         if let [_, _, ..] = &parts[..] {
-            let mut nearest: Option<Number> = None;
-            for part in &parts {
-                let step = self.safe_step(part, point, span)?;
-                nearest = Some(match nearest {
-                    None => step,
-                    Some(before) => self.binary(Binary::Min, &before, &step, span)?,
-                });
-            }
-            return Ok(nearest.expect("there are two parts or more"));
+            return self.nearest_step(&parts, point, span);
         }
         match &shape.kind {
             ShapeKind::Painted { shape, .. } => self.safe_step(shape, point, span),
@@ -69,6 +61,16 @@ impl<'t> Elaborator<'t> {
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
         }
+    }
+
+    /// The smallest of the steps that several shapes allow.
+    pub fn nearest_step(&mut self, parts: &[Rc<Shape<'t>>], point: &Number, span: Span) -> Eval<Number> {
+        let mut nearest = Number::float(crate::NOTHING);
+        for (i, part) in parts.iter().enumerate() {
+            let step = self.safe_step(part, point, span)?;
+            nearest = if i == 0 { step } else { self.binary(Binary::Min, &nearest, &step, span)? };
+        }
+        Ok(nearest)
     }
 
     /// The slope of a shape's field round a point at which it is `distance`: what its function states, times the

@@ -99,6 +99,8 @@ struct Part {
     mix: Mix,
     share: Number,
     distance: Number,
+    /// Whether it can only carve.
+    is_tool: bool,
 }
 
 impl<'t> Elaborator<'t> {
@@ -253,20 +255,20 @@ impl<'t> Elaborator<'t> {
         let adjoints = sdf_ir::adjoint::adjoints(builder, result, &stand_ins);
         let zero = builder.float(0.0);
         let shares: Vec<_> = adjoints.into_iter().map(|a| a.unwrap_or(zero)).collect();
-        // The unpainted tools are left out before anything is computed for them.
-        let kept: Vec<bool> = samples
-            .iter()
-            .zip(&shares)
-            .map(|(s, share)| s.shape.painted || !never_positive(builder, *share) || is_zero(builder, *share))
-            .collect();
+        let tools: Vec<bool> =
+            shares.iter().map(|share| never_positive(builder, *share) && !is_zero(builder, *share)).collect();
         let (function, arguments) = self.contexts.finish_apart(shares);
         let depth = self.contexts.depth();
         let shares = self.contexts.builder().inline(&function, &arguments);
         let mut parts = Vec::new();
-        for ((sample, share), _) in samples.iter().zip(shares).zip(kept).filter(|(_, kept)| *kept) {
+        // The unpainted tools are left out before anything is computed for them.
+        for ((sample, share), is_tool) in samples.iter().zip(shares).zip(tools) {
+            if is_tool && !sample.shape.painted {
+                continue;
+            }
             let share = self.contexts.local(depth, share, Type::Float);
             let mix = self.mix(&sample.shape, &sample.point, normal, span)?;
-            parts.push(Part { mix, share, distance: sample.distance.clone() });
+            parts.push(Part { mix, share, distance: sample.distance.clone(), is_tool });
         }
         Ok(self.blend(parts))
     }
@@ -333,11 +335,20 @@ impl<'t> Elaborator<'t> {
         Mix::Painted { columns, bare }
     }
 
-    /// The part whose distance is nearest to zero.
+    /// The part whose distance is nearest to zero; a tool only where there is nothing else, since what an unpainted
+    /// tool has carved, which is where no other part has a share, shows the carved body.
     fn nearest(&mut self, parts: &[Part]) -> Mix {
         let mut best: Option<(Number, Vec<Number>, Number)> = None;
-        for part in parts {
-            let size = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.distance));
+        let only_tools = parts.iter().all(|p| p.is_tool);
+        for part in parts.iter().filter(|p| only_tools || !p.is_tool) {
+            let mut size = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.distance));
+            let share = self.contexts.value(&part.share);
+            if !only_tools && !never_negative(self.contexts.builder(), share) {
+                let zero = Number::float(0.0);
+                let carves = self.contexts.apply(Op::Binary(Binary::Less), &[part.share.clone(), zero]);
+                let far = Number::float(crate::NOTHING);
+                size = self.contexts.apply(Op::Ternary(Ternary::Select), &[carves, far, size]);
+            }
             let (columns, bare) = match &part.mix {
                 Mix::Bare => (
                     self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect::<Vec<_>>(),
@@ -462,7 +473,7 @@ impl<'t> Elaborator<'t> {
             return distance;
         }
         let outside = self.contexts.import(&distance, depth - 1);
-        if let Some(same) = samples.iter().find(|s| s.outside == outside) {
+        if let Some(same) = samples.iter().find(|s| s.outside == outside && Rc::ptr_eq(&s.shape, shape)) {
             return self.contexts.local(depth, same.stand_in, Type::Float);
         }
         let at_caller = self.contexts.local(depth - 1, outside, Type::Float);

@@ -28,6 +28,7 @@ impl Frame {
     /// good as none.
     pub fn uniforms(&self, program: &Program) -> Vec<Constant> {
         let value = |uniform: &sdf_ir::Uniform| match uniform.role {
+            Role::Setting => uniform.default,
             Role::Time => Constant::Float(self.time),
             Role::Mouse => Constant::Vec2(self.mouse),
             Role::Resolution => Constant::Vec2([f64::from(self.width), f64::from(self.height)]),

@@ -81,7 +81,10 @@ impl Diagnostic {
 pub fn did_you_mean<'a>(written: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |name: &str| name.replace('_', "").to_lowercase();
     let wanted = plain(written);
-    let limit = (written.chars().count() / 3).max(1);
+    let limit = match written.chars().count() {
+        0..3 => 0,
+        n => n / 3,
+    };
     candidates
         .into_iter()
         .filter(|c| *c != written)

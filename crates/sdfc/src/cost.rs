@@ -67,6 +67,13 @@ pub(crate) fn header(summary: &Summary, cost: &Cost) -> Header {
             cost.map, cost.iterations
         ),
     ];
+    if summary.shapes > 0 {
+        lines.push(
+            "A shape's numbers stand in the map, in its gradient (normals) and in surface (colours): \
+             change them in all."
+                .to_string(),
+        );
+    }
     if cost.iterations > ITERATION_LIMIT {
         lines.push(format!("Warning: drivers are likely to give up above {ITERATION_LIMIT} rounds."));
     }

@@ -6,5 +6,6 @@ mod materials;
 mod operators;
 mod scene;
 mod shapes;
+mod steps;
 mod structure;
 mod values;

@@ -271,6 +271,17 @@ fn areas() {
     }
 }
 
+/// Which shape it is may change from frame to frame.
+#[test]
+fn shapes_chosen_by_a_param() {
+    for (on, expected) in [("true", lump as fn(Point) -> f64), ("false", other)] {
+        let field = Field::of_shape(&format!("{LUMP} param on = {on}"), "if on { lump } else { other }");
+        for p in points(50, 2.0) {
+            assert!((field.at(p) - expected(p)).abs() < 1e-9, "on is {on}, at {p:?}");
+        }
+    }
+}
+
 /// A user's operators are as good as the library's.
 #[test]
 fn operators_of_ones_own() {

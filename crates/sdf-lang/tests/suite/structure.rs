@@ -45,17 +45,23 @@ impl<'p> Reached<'p> {
     }
 }
 
-/// All nodes of a function that its results, branches and loops need, leaves included.
+/// All nodes of a function, each once, and the leaves that they use.
 fn nodes(function: &Function) -> Vec<Node> {
     let mut out = Vec::new();
     for region in (0..function.region_count()).map(|i| function.region(sdf_ir::RegionId(i as u32))) {
         for value in &region.body {
             out.push(function.node(*value));
-            function.operands(*value, |v: Value| out.push(function.node(v)));
+            let mut used = Vec::new();
+            function.operands(*value, |v: Value| used.push(v));
+            out.extend(used.into_iter().map(|v| function.node(v)).filter(is_leaf));
         }
-        out.extend(region.results.iter().map(|v| function.node(*v)));
+        out.extend(region.results.iter().map(|v| function.node(*v)).filter(is_leaf));
     }
     out
+}
+
+fn is_leaf(node: &Node) -> bool {
+    matches!(node, Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_))
 }
 
 fn nodes_of(scene: &Scene, name: &str) -> Vec<Node> {
@@ -181,11 +187,13 @@ fn uniforms_are_there_only_where_something_needs_them() {
     let uniforms = |text: &str, set: &[(&str, &str)]| -> Vec<String> {
         let scene = scene_set(text, set);
         let declared: Vec<String> = scene.program.uniforms.iter().map(|u| u.name.to_string()).collect();
+        let is_setting =
+            |n: &String| scene.program.uniforms.iter().any(|u| *u.name == **n && u.role == Role::Setting);
         let needed = Reached::of(&scene).uniforms;
         let mut sorted = declared.clone();
         sorted.sort();
         assert_eq!(sorted, needed.into_iter().collect::<Vec<_>>(), "declared and needed in {text}");
-        declared.into_iter().filter(|n| n != "resolution").collect()
+        declared.iter().filter(|n| *n != "resolution" && !is_setting(n)).cloned().collect()
     };
     assert_eq!(uniforms("scene { sphere(1) }", &[]), [""; 0]);
     assert_eq!(uniforms("scene { sphere(1 + time) }", &[]), ["time"]);

@@ -523,7 +523,8 @@ fn mistakes_in_values_are_found() {
         ("let a = sphere(1, r: 2)", "E032"),
         ("let a = sphere(radius: 2)", "E032"),
         ("fn f(v: vec2) = 2 fn f(v: vec3) = 3 let a = f(1)", "E033"),
-        ("let a = if time > 1 { sphere(1) } else { box(1) }", "E040"),
+        ("let a = if time > 1 { [1] } else { [1, 2] }", "E040"),
+        ("let a = if time > 1 { sphere(1) } else { 2 }", "E040"),
         ("let a = 1 let a = 2", "E021"),
         ("let a = p", "E050"),
         ("param a = 3 in 0..2", "E043"),
@@ -535,6 +536,8 @@ fn mistakes_in_values_are_found() {
         assert_eq!(found.len(), 1, "{text}: {found:#?}");
         assert!(found[0].starts_with(code), "{text}: {found:#?} and not {code}");
     }
+    let chosen = findings("scene { field { (if p.x > 0 { sphere(1) } else { box(1) })(p) } }");
+    assert!(chosen.len() == 1 && chosen[0].starts_with("E040"), "{chosen:#?}");
     let path = &findings("let a = b let b = c + 1 let c = a scene { sphere(1) }")[0];
     assert!(path.contains("a → b → c → a"), "{path}");
 }

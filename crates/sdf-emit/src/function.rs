@@ -7,10 +7,10 @@ use crate::expression::{Expression, Level};
 use crate::names::Names;
 use crate::plan::{Part, Plan, parts};
 use crate::symbols::Symbols;
+use rustc_hash::FxHashMap;
 use sdf_ir::program::Loop;
 use sdf_ir::{Binary, Function, FunctionId, List, Node, Program, RegionId, Ternary, Type, Unary, Value};
 use std::cell::Cell;
-use std::collections::HashMap;
 use std::fmt::Write;
 use std::rc::Rc;
 
@@ -33,9 +33,9 @@ impl Context<'_> {
             function,
             plan,
             scope: self.symbols.taken.clone(),
-            names: HashMap::new(),
-            variables: HashMap::new(),
-            arguments: HashMap::new(),
+            names: FxHashMap::default(),
+            variables: FxHashMap::default(),
+            arguments: FxHashMap::default(),
             source_names: argument_names(function),
             id,
             out: String::new(),
@@ -50,7 +50,7 @@ impl Context<'_> {
 }
 
 /// The names that the source has for arguments of regions and for parts of tuples.
-fn argument_names(function: &Function) -> HashMap<Node, String> {
+fn argument_names(function: &Function) -> FxHashMap<Node, String> {
     let values = (0..function.node_count()).map(|i| Value(i as u32));
     let named = values.filter_map(|v| Some((function.node(v), function.name_of(v)?.to_string())));
     named.filter(|(node, _)| matches!(node, Node::Argument(..) | Node::Result(..))).collect()
@@ -64,12 +64,12 @@ pub(crate) struct Printer<'a> {
     pub plan: &'a Plan,
     pub scope: Names,
     /// The names of values.
-    pub names: HashMap<Value, String>,
+    pub names: FxHashMap<Value, String>,
     /// The variables that an `If` or a `Loop` leaves its results in.
-    pub variables: HashMap<Value, Vec<String>>,
+    pub variables: FxHashMap<Value, Vec<String>>,
     /// How arguments of regions are written.
-    pub arguments: HashMap<(RegionId, u16), Expression>,
-    source_names: HashMap<Node, String>,
+    pub arguments: FxHashMap<(RegionId, u16), Expression>,
+    source_names: FxHashMap<Node, String>,
     /// The function's text so far.
     pub out: String,
     /// The functions that were cut out of it.

@@ -1,6 +1,6 @@
 //! Names that every target accepts: ASCII, no reserved word of any language, each given once per scope.
 
-use std::collections::HashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::LazyLock;
 
 /// The longest name that is taken over from the source.
@@ -15,7 +15,7 @@ const RESERVED: [&str; 4] = [
 ];
 
 /// All reserved words in lower case, since HLSL knows some in any case.
-static RESERVED_WORDS: LazyLock<HashSet<String>> = LazyLock::new(|| {
+static RESERVED_WORDS: LazyLock<FxHashSet<String>> = LazyLock::new(|| {
     RESERVED.iter().flat_map(|list| list.split_whitespace()).map(str::to_lowercase).collect()
 });
 
@@ -27,18 +27,24 @@ pub(crate) fn is_reserved(word: &str) -> bool {
 /// The names given so far, in a scope and in those round it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Names {
-    taken: HashSet<String>,
+    taken: FxHashSet<String>,
+    /// The first number that may be free behind each name that was wanted.
+    next: FxHashMap<String, usize>,
 }
 
 impl Names {
     /// A name like `wanted`, or like `fallback` where nothing of it is left, that is free; from now on it is taken.
     pub fn give(&mut self, wanted: &str, fallback: &str) -> String {
         let base = Some(clean(wanted)).filter(|name| !name.is_empty()).unwrap_or_else(|| fallback.to_owned());
-        let name = (0..)
-            .map(|i| if i == 0 { base.clone() } else { format!("{base}_{i}") })
-            .find(|name| !is_reserved(name) && !self.taken.contains(name))
-            .expect("some number is free");
-        self.taken.insert(name.clone());
+        let mut number = self.next.get(&base).copied().unwrap_or(0);
+        let name = loop {
+            let name = if number == 0 { base.clone() } else { format!("{base}_{number}") };
+            number += 1;
+            if !is_reserved(&name) && self.taken.insert(name.clone()) {
+                break name;
+            }
+        };
+        self.next.insert(base, number);
         name
     }
 }

@@ -5,8 +5,8 @@
 use crate::EmitError;
 use crate::expression::Expression;
 use crate::function::{Printer, fallback};
+use rustc_hash::{FxHashMap, FxHashSet};
 use sdf_ir::{Node, RegionId, Value};
-use std::collections::HashSet;
 
 /// How many statements a function has at most.
 const FUNCTION: usize = 512;
@@ -44,6 +44,7 @@ impl Printer<'_> {
             return values.iter().try_for_each(|v| self.statement(*v));
         }
         let most = PART.max(total.div_ceil(PARTS));
+        let mut parts: Vec<&[Value]> = Vec::new();
         let mut rest = values;
         while !rest.is_empty() {
             let mut sum = 0;
@@ -52,17 +53,37 @@ impl Printer<'_> {
                 sum <= most
             };
             let (part, after) = rest.split_at(rest.iter().take_while(fits).count().max(1));
+            parts.push(part);
             rest = after;
-            let mut later = self.needs(rest, &[]);
-            later.extend(needed.iter().filter(|item| !later.contains(item)).copied().collect::<Vec<_>>());
-            let defined: HashSet<Value> = part.iter().copied().collect();
-            later.retain(|item| match item {
-                Item::Value(v) | Item::Variable(v, _) => defined.contains(v),
-                Item::Argument(..) => false,
-            });
-            self.part(part, &later)?;
         }
-        Ok(())
+        let yields = self.yields(&parts, needed);
+        parts.into_iter().zip(yields).try_for_each(|(part, yields)| self.part(part, &yields))
+    }
+
+    /// What each of these parts defines that is needed after it, in the order of the first use.
+    fn yields(&self, parts: &[&[Value]], needed: &[Item]) -> Vec<Vec<Item>> {
+        let all = || parts.iter().enumerate().flat_map(|(i, part)| part.iter().map(move |v| (i, *v)));
+        let part_of: FxHashMap<Value, usize> = all().map(|(i, v)| (v, i)).collect();
+        let mut yields = vec![Vec::new(); parts.len()];
+        let mut seen = FxHashSet::default();
+        let mut use_after = |i: usize, item: Item| {
+            if let Item::Value(v) | Item::Variable(v, _) = item
+                && let Some(defined) = part_of.get(&v)
+                && *defined < i
+                && seen.insert(item)
+            {
+                yields[*defined].push(item);
+            }
+        };
+        let mut needs = Needs::of(self);
+        for (i, v) in all() {
+            needs.statements(&[v]);
+            needs.items.drain(..).for_each(|item| use_after(i, item));
+            needs.values.clear();
+            needs.regions.clear();
+        }
+        needed.iter().for_each(|item| use_after(parts.len(), *item));
+        yields
     }
 
     /// How many statements a value takes, when the regions inside it are cut.
@@ -77,11 +98,10 @@ impl Printer<'_> {
 
     /// What these statements and uses need from outside, in the order of the first use.
     fn needs(&self, statements: &[Value], uses: &[Value]) -> Vec<Item> {
-        let mut needs =
-            Needs { printer: self, values: HashSet::new(), regions: HashSet::new(), items: Vec::new() };
+        let mut needs = Needs::of(self);
         needs.statements(statements);
         uses.iter().for_each(|v| needs.use_of(*v));
-        let mut seen = HashSet::new();
+        let mut seen = FxHashSet::default();
         needs.items.retain(|item| seen.insert(*item));
         needs.items
     }
@@ -175,12 +195,16 @@ impl Printer<'_> {
 struct Needs<'p, 'a> {
     printer: &'p Printer<'a>,
     /// The named values and the regions that are printed with the statements.
-    values: HashSet<Value>,
-    regions: HashSet<RegionId>,
+    values: FxHashSet<Value>,
+    regions: FxHashSet<RegionId>,
     items: Vec<Item>,
 }
 
-impl Needs<'_, '_> {
+impl<'p, 'a> Needs<'p, 'a> {
+    fn of(printer: &'p Printer<'a>) -> Needs<'p, 'a> {
+        Needs { printer, values: FxHashSet::default(), regions: FxHashSet::default(), items: Vec::new() }
+    }
+
     fn statements(&mut self, statements: &[Value]) {
         self.values.extend(statements);
         statements.iter().for_each(|v| self.text_of(*v));

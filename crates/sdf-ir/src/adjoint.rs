@@ -7,7 +7,7 @@
 use crate::build::Builder;
 use crate::gradient::derivative::{inverse_length, unary_number};
 use crate::program::{Binary, Node, RegionId, Ternary, Unary, Value};
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The derivative of the float `of` by each of these floats, which count as independent of each other; `None` where
 /// it is zero whatever they are. A tie of `min` or `max` goes to the first.
@@ -16,10 +16,11 @@ use std::collections::{HashMap, HashSet};
 /// and yields what `of` is made from must have been inlined, or must be among `with_respect_to` itself.
 pub fn adjoints(builder: &mut Builder, of: Value, with_respect_to: &[Value]) -> Vec<Option<Value>> {
     let body = builder.function().region(RegionId::ROOT).body.clone();
-    let depends = depends(builder, &body, with_respect_to);
+    let sources: FxHashSet<Value> = with_respect_to.iter().copied().collect();
+    let depends = depends(builder, &body, &sources);
     let one = builder.float(1.0);
-    let mut sweep = Sweep { depends, adjoints: HashMap::from([(of, vec![Some(one)])]) };
-    for value in body.iter().rev().filter(|value| !with_respect_to.contains(value)) {
+    let mut sweep = Sweep { depends, adjoints: FxHashMap::from_iter([(of, vec![Some(one)])]) };
+    for value in body.iter().rev().filter(|value| !sources.contains(value)) {
         if sweep.depends.contains(value)
             && let Some(adjoint) = sweep.adjoints.remove(value)
         {
@@ -30,8 +31,8 @@ pub fn adjoints(builder: &mut Builder, of: Value, with_respect_to: &[Value]) -> 
 }
 
 /// The nodes that are made from one of `sources`, those included.
-fn depends(b: &Builder, body: &[Value], sources: &[Value]) -> HashSet<Value> {
-    let mut depends: HashSet<Value> = sources.iter().copied().collect();
+fn depends(b: &Builder, body: &[Value], sources: &FxHashSet<Value>) -> FxHashSet<Value> {
+    let mut depends = sources.clone();
     for value in body {
         let mut found = false;
         b.function().operands(*value, |operand| found |= depends.contains(&operand));
@@ -44,9 +45,9 @@ fn depends(b: &Builder, body: &[Value], sources: &[Value]) -> HashSet<Value> {
 
 struct Sweep {
     /// What the adjoints have to pass through.
-    depends: HashSet<Value>,
+    depends: FxHashSet<Value>,
     /// Those of the components of each value, as far as they have arrived.
-    adjoints: HashMap<Value, Vec<Option<Value>>>,
+    adjoints: FxHashMap<Value, Vec<Option<Value>>>,
 }
 
 impl Sweep {

@@ -8,20 +8,20 @@ use crate::program::{
     Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Ternary, Type, Unary, Value,
 };
 use crate::rules;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// A function under construction.
 #[derive(Clone)]
 pub struct Builder {
     function: Function,
-    leaves: HashMap<Node, Value>,
-    scopes: Vec<(RegionId, HashMap<Node, Value>)>,
-    interned: HashMap<Vec<Value>, List>,
+    leaves: FxHashMap<Node, Value>,
+    scopes: Vec<(RegionId, FxHashMap<Node, Value>)>,
+    interned: FxHashMap<Vec<Value>, List>,
 }
 
 /// The regions that were open when they were [left](Builder::leave_regions), from the outermost.
-pub struct OpenRegions(Vec<(RegionId, HashMap<Node, Value>)>);
+pub struct OpenRegions(Vec<(RegionId, FxHashMap<Node, Value>)>);
 
 impl Builder {
     /// A function with these parameters and nothing in it.
@@ -40,9 +40,9 @@ impl Builder {
         };
         Builder {
             function,
-            leaves: HashMap::new(),
-            scopes: vec![(RegionId::ROOT, HashMap::new())],
-            interned: HashMap::new(),
+            leaves: FxHashMap::default(),
+            scopes: vec![(RegionId::ROOT, FxHashMap::default())],
+            interned: FxHashMap::default(),
         }
     }
 
@@ -300,7 +300,7 @@ impl Builder {
     pub fn open_region(&mut self, arguments: &[Type]) -> RegionId {
         let id = RegionId(self.function.regions.len() as u32);
         self.function.regions.push(Region { arguments: arguments.to_vec(), ..Region::default() });
-        self.scopes.push((id, HashMap::new()));
+        self.scopes.push((id, FxHashMap::default()));
         id
     }
 
@@ -379,13 +379,17 @@ impl Builder {
 
     /// The node, shared with an equal one where that is in scope. Used by the rules, which have nothing left to do.
     pub(crate) fn push(&mut self, node: Node, ty: Option<Type>) -> Value {
-        if let Some(value) = self.find(node) {
-            return value;
+        let (_, outer) = self.scopes.split_last().expect("the root is always open");
+        if let Some(value) = outer.iter().rev().find_map(|(_, table)| table.get(&node)) {
+            return *value;
         }
-        let value = self.new_node(node, ty);
+        let next = Value(self.function.nodes.len() as u32);
         let (region, table) = self.scopes.last_mut().expect("the root is always open");
-        table.insert(node, value);
-        self.function.regions[region.0 as usize].body.push(value);
+        let value = *table.entry(node).or_insert(next);
+        if value == next {
+            self.function.regions[region.0 as usize].body.push(value);
+            self.new_node(node, ty);
+        }
         value
     }
 

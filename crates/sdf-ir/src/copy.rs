@@ -6,7 +6,7 @@
 
 use crate::build::Builder;
 use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// What the references of a copied function to its program become. As it stands, they stay the same.
@@ -99,15 +99,36 @@ pub(crate) struct Copy<'a> {
     links: &'a dyn Links,
     live: Vec<bool>,
     /// What stands for the arguments of each region that is being copied.
-    arguments: HashMap<RegionId, Vec<Value>>,
-    /// What stands for each node copied so far: one value, or the parts of a tuple.
-    copied: Vec<Vec<Value>>,
+    arguments: FxHashMap<RegionId, Vec<Value>>,
+    /// What stands for each node copied so far.
+    copied: Vec<Copied>,
     /// The names of the state of loops.
-    argument_names: HashMap<(RegionId, u16), &'a Arc<str>>,
+    argument_names: FxHashMap<(RegionId, u16), &'a Arc<str>>,
+}
+
+/// What stands for a node.
+#[derive(Clone)]
+enum Copied {
+    /// It has not been copied.
+    Nothing,
+    /// A value.
+    One(Value),
+    /// The parts of a tuple.
+    Parts(Vec<Value>),
+}
+
+impl Copied {
+    fn part(&self, index: usize) -> Value {
+        match self {
+            Copied::One(value) if index == 0 => *value,
+            Copied::Parts(parts) => parts[index],
+            _ => panic!("a node is copied before it is read"),
+        }
+    }
 }
 
 /// The names that the source gives to arguments of regions.
-fn argument_names(source: &Function) -> HashMap<(RegionId, u16), &Arc<str>> {
+fn argument_names(source: &Function) -> FxHashMap<(RegionId, u16), &Arc<str>> {
     (0..source.node_count() as u32)
         .filter_map(|i| match (source.node(Value(i)), source.name_of(Value(i))) {
             (Node::Argument(region, index), Some(name)) => Some(((region, index), name)),
@@ -123,8 +144,8 @@ impl<'a> Copy<'a> {
             source,
             links,
             live: live(source),
-            arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
-            copied: vec![Vec::new(); source.node_count()],
+            arguments: FxHashMap::from_iter([(RegionId::ROOT, arguments.to_vec())]),
+            copied: vec![Copied::Nothing; source.node_count()],
             argument_names: argument_names(source),
         }
     }
@@ -141,12 +162,19 @@ impl<'a> Copy<'a> {
 
     /// What a node has become that was copied elsewhere.
     pub(crate) fn set(&mut self, builder: &mut Builder, value: Value, copied: Vec<Value>) {
-        if let (Some(name), [it]) = (self.source.name_of(value), &copied[..])
-            && !is_leaf(builder.node(*it))
-        {
-            builder.name(*it, name);
+        match copied[..] {
+            [it] => self.set_one(builder, value, it),
+            _ => self.copied[value.0 as usize] = Copied::Parts(copied),
         }
-        self.copied[value.0 as usize] = copied;
+    }
+
+    fn set_one(&mut self, builder: &mut Builder, value: Value, copied: Value) {
+        if let Some(name) = self.source.name_of(value)
+            && !is_leaf(builder.node(copied))
+        {
+            builder.name(copied, name);
+        }
+        self.copied[value.0 as usize] = Copied::One(copied);
     }
 
     /// Copies the body of a region into the open one and returns its results.
@@ -167,17 +195,24 @@ impl<'a> Copy<'a> {
         let copied = match source.node(value) {
             Node::If(condition, then, otherwise) => self.branch(builder, condition, then, otherwise),
             Node::Loop(it) => self.repeat(builder, it),
-            Node::Result(tuple, index) => vec![self.copied[tuple.0 as usize][index as usize]],
             Node::Call(callee, list) => {
                 let results = source.types_of(value);
                 let arguments = self.values(builder, source.list(list));
                 self.links.call(builder, callee, &results, &arguments)
             }
+            Node::Result(tuple, index) => {
+                let part = self.copied[tuple.0 as usize].part(index as usize);
+                return self.set_one(builder, value, part);
+            }
             node => {
-                let mut operands = Vec::with_capacity(3);
-                source.operands(value, |operand| operands.push(operand));
-                let operands = self.values(builder, &operands);
-                vec![self.links.operation(builder, node, &operands)]
+                let mut operands = [value; 3];
+                let mut count = 0;
+                source.operands(value, |operand| {
+                    operands[count] = self.value(builder, operand);
+                    count += 1;
+                });
+                let operation = self.links.operation(builder, node, &operands[..count]);
+                return self.set_one(builder, value, operation);
             }
         };
         self.set(builder, value, copied);
@@ -231,7 +266,7 @@ impl<'a> Copy<'a> {
             Node::Argument(region, index) => self.arguments[&region][index as usize],
             Node::Uniform(index) => builder.uniform(self.links.uniform(index), ty()),
             Node::Global(index) => builder.global(self.links.global(index), ty()),
-            _ => self.copied[value.0 as usize][0],
+            _ => self.copied[value.0 as usize].part(0),
         }
     }
 }

@@ -8,14 +8,14 @@
 use crate::build::Builder;
 use crate::copy::{Links, inline, live};
 use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
 /// The entry and the roots keep their parameters and results.
 pub fn simplify(program: &Program, roots: &[FunctionId]) -> (Program, Vec<FunctionId>) {
     let (mut program, mut roots) = (program.clone(), roots.to_vec());
     loop {
-        let (smaller, moved) = without_unused_inputs(&once(&program, &roots));
+        let (smaller, moved) = without_unused_inputs(once(&program, &roots));
         if smaller == program {
             return (smaller, moved);
         }
@@ -38,7 +38,7 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
             ..Program::default()
         },
         callees: program.functions.iter().map(|_| None).collect(),
-        known: HashMap::new(),
+        known: FxHashMap::default(),
     };
     for (index, function) in program.functions.iter().enumerate().filter(|(index, _)| reached[*index]) {
         let id = FunctionId(index as u32);
@@ -100,7 +100,7 @@ struct Rebuild {
     program: Program,
     callees: Vec<Option<Callee>>,
     /// The functions so far, without the names that do not matter.
-    known: HashMap<Function, FunctionId>,
+    known: FxHashMap<Function, FunctionId>,
 }
 
 impl Links for Rebuild {
@@ -136,12 +136,12 @@ impl Rebuild {
         let all = vec![true; source.parameters.len()];
         let copied = with_parameters(source, &all, self);
         let takes = if is_fixed { all } else { used_parameters(&copied) };
+        let trivial = trivial(&copied);
         let made = if takes.contains(&false) {
             with_parameters(&copied, &takes, &crate::copy::SameProgram)
         } else {
-            copied.clone()
+            copied
         };
-        let trivial = trivial(&copied);
         let key = without_names(&made);
         let id_now = match self.known.get(&key) {
             Some(same) if !is_fixed => *same,
@@ -227,7 +227,7 @@ impl Links for Renumbered {
 }
 
 /// The program without the globals that no function reads, and then without the uniforms.
-fn without_unused_inputs((program, roots): &Rooted) -> Rooted {
+fn without_unused_inputs((program, roots): Rooted) -> Rooted {
     let mut uniforms = vec![false; program.uniforms.len()];
     let mut globals = vec![false; program.globals.len()];
     for node in program.functions.iter().flat_map(live_nodes) {
@@ -238,7 +238,7 @@ fn without_unused_inputs((program, roots): &Rooted) -> Rooted {
         }
     }
     if !uniforms.contains(&false) && !globals.contains(&false) {
-        return (program.clone(), roots.clone());
+        return (program, roots);
     }
     let links = Renumbered { uniforms: renumbered(&uniforms), globals: renumbered(&globals) };
     let mut smaller = Program {
@@ -256,7 +256,7 @@ fn without_unused_inputs((program, roots): &Rooted) -> Rooted {
         }
         smaller.add(with_parameters(&function, &vec![true; function.parameters.len()], &links));
     }
-    (smaller, roots.clone())
+    (smaller, roots)
 }
 
 fn kept<T: Clone>(all: &[T], used: &[bool]) -> Vec<T> {

@@ -7,11 +7,11 @@
 //! becomes a parameter of every function between.
 
 use crate::value::{Number, Repr};
+use rustc_hash::FxHashMap;
 use sdf_ir::build::OpenRegions;
 use sdf_ir::{
     Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Ternary, Type, Unary,
 };
-use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 use std::rc::Rc;
@@ -33,7 +33,7 @@ pub(crate) enum Op {
 struct Context {
     builder: Builder,
     /// The parameters that stand for values of outer contexts.
-    imports: HashMap<u64, sdf_ir::Value>,
+    imports: FxHashMap<u64, sdf_ir::Value>,
     /// What the caller passes: one value of its own for each parameter.
     arguments: Vec<sdf_ir::Value>,
 }
@@ -45,9 +45,9 @@ pub(crate) struct Aside(Context);
 pub(crate) struct Contexts {
     pub program: Program,
     stack: Vec<Context>,
-    finished: HashMap<Function, FunctionId>,
+    finished: FxHashMap<Function, FunctionId>,
     /// Which global a node of the frame is.
-    globals: HashMap<sdf_ir::Value, u16>,
+    globals: FxHashMap<sdf_ir::Value, u16>,
     global_values: Vec<sdf_ir::Value>,
     /// Whether the function that is open outermost is one that the frame calls: it takes all it needs as arguments.
     frame_calls: bool,
@@ -61,11 +61,11 @@ impl Contexts {
             program: Program::default(),
             stack: vec![Context {
                 builder: Builder::new("frame", Vec::new()),
-                imports: HashMap::new(),
+                imports: FxHashMap::default(),
                 arguments: Vec::new(),
             }],
-            finished: HashMap::new(),
-            globals: HashMap::new(),
+            finished: FxHashMap::default(),
+            globals: FxHashMap::default(),
             global_values: Vec::new(),
             frame_calls: false,
             nodes: 0,
@@ -98,7 +98,7 @@ impl Contexts {
     pub fn open(&mut self, name: &Arc<str>, line: Option<u32>) {
         let mut builder = Builder::new(name.clone(), Vec::new());
         builder.set_line(line);
-        self.stack.push(Context { builder, imports: HashMap::new(), arguments: Vec::new() });
+        self.stack.push(Context { builder, imports: FxHashMap::default(), arguments: Vec::new() });
     }
 
     /// Says whether the frame calls the functions that are opened from now on.

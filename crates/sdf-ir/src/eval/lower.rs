@@ -7,7 +7,7 @@ use super::tape::{
     Block, BlockId, Body, Call, If, Instruction, Loop, Operand, Register, Step, Tape, scalar_count,
 };
 use crate::program::{Binary, Function, FunctionId, Node, Program, RegionId, Ternary, Unary, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// A callee of at most so many operations, its own callees included, is written into its caller.
 const INLINE_LIMIT: usize = 256;
@@ -30,8 +30,8 @@ pub(crate) fn compile(program: &Program, function: FunctionId, counting: bool) -
         program,
         tape,
         counting,
-        constants: HashMap::new(),
-        bodies: HashMap::new(),
+        constants: FxHashMap::default(),
+        bodies: FxHashMap::default(),
         sizes: expanded_sizes(program),
     };
     let frame = program.frame.map(|frame| compiler.body(frame));
@@ -62,9 +62,9 @@ struct Compiler<'p> {
     tape: Tape,
     counting: bool,
     /// The scalar of each constant, by its bits.
-    constants: HashMap<u64, u32>,
+    constants: FxHashMap<u64, u32>,
     /// The bodies that are there already.
-    bodies: HashMap<FunctionId, usize>,
+    bodies: FxHashMap<FunctionId, usize>,
     sizes: Vec<usize>,
 }
 
@@ -115,7 +115,7 @@ struct Values<'p> {
     /// The scalars of each value of a region's body so far.
     scalars: Vec<Option<Vec<Operand>>>,
     /// The scalars of each region's arguments, one after the other.
-    arguments: HashMap<RegionId, Vec<Operand>>,
+    arguments: FxHashMap<RegionId, Vec<Operand>>,
 }
 
 struct Lowering<'c, 'p> {
@@ -134,7 +134,7 @@ impl<'p> Lowering<'_, 'p> {
         let mut values = Values {
             function,
             scalars: vec![None; function.node_count()],
-            arguments: HashMap::from([(RegionId::ROOT, arguments.to_vec())]),
+            arguments: FxHashMap::from_iter([(RegionId::ROOT, arguments.to_vec())]),
         };
         self.region(&mut values, RegionId::ROOT)
     }

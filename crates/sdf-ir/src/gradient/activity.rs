@@ -2,26 +2,29 @@
 
 use crate::copy::live;
 use crate::program::{Binary, Function, Loop, Node, RegionId, Unary, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// For each component of a value or of a tuple's parts and each active parameter, whether the derivative may
 /// differ from zero. Components move alike.
 pub(super) struct Activity {
-    tuples: HashMap<Value, Vec<Vec<bool>>>,
+    tuples: FxHashMap<Value, Vec<Vec<bool>>>,
 }
 
 impl Activity {
     /// The activity of a function by these of its parameters.
     pub(super) fn new(function: &Function, active: &[usize]) -> Activity {
+        if function.region_count() == 1 {
+            return Activity { tuples: FxHashMap::default() };
+        }
         let mut search = Search {
             function,
             active,
             live: live(function),
-            moves: HashMap::new(),
-            arguments: HashMap::new(),
+            moves: FxHashMap::default(),
+            arguments: FxHashMap::default(),
         };
         search.region(RegionId::ROOT);
-        let mut tuples = HashMap::new();
+        let mut tuples = FxHashMap::default();
         for (value, parts) in search.moves {
             if matches!(function.node(value), Node::If(..) | Node::Loop(_)) {
                 let types = function.types_of(value);
@@ -44,9 +47,9 @@ struct Search<'a> {
     active: &'a [usize],
     live: Vec<bool>,
     /// By part of each node.
-    moves: HashMap<Value, Vec<Vec<bool>>>,
+    moves: FxHashMap<Value, Vec<Vec<bool>>>,
     /// By argument of each region that is open.
-    arguments: HashMap<RegionId, Vec<Vec<bool>>>,
+    arguments: FxHashMap<RegionId, Vec<Vec<bool>>>,
 }
 
 impl Search<'_> {

@@ -15,7 +15,7 @@ use crate::build::Builder;
 use crate::copy::{Copy, SameProgram, rebuild};
 use crate::program::{Function, FunctionId, Loop, Node, Parameter, Program, RegionId, Type, Value};
 use activity::Activity;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// The derivatives of a number by each active parameter; `None` is zero.
@@ -29,7 +29,7 @@ pub fn gradient(program: &mut Program, function: FunctionId) -> FunctionId {
 /// The gradients made so far in one program, so that none is made twice.
 #[derive(Default)]
 pub struct Gradients {
-    made: HashMap<Request, Made>,
+    made: FxHashMap<Request, Made>,
 }
 
 /// A gradient that was asked for.
@@ -88,7 +88,7 @@ fn differentiate(
         parameters: active.iter().map(|i| source.parameters[*i].ty).collect(),
         activity: Activity::new(source, &active),
         slopes: vec![Vec::new(); source.node_count()],
-        arguments: HashMap::new(),
+        arguments: FxHashMap::default(),
         copy: Copy::new(source, &arguments, &SameProgram),
     };
     walk.arguments.insert(RegionId::ROOT, own_slopes(&mut builder, source, &active));
@@ -158,7 +158,7 @@ struct Walk<'a> {
     /// The slopes of the nodes so far, per component; those of the parts of a tuple, one after the other.
     slopes: Vec<Vec<Slope>>,
     /// The slopes of the arguments of each region that is being copied.
-    arguments: HashMap<RegionId, Vec<Vec<Slope>>>,
+    arguments: FxHashMap<RegionId, Vec<Vec<Slope>>>,
     copy: Copy<'a>,
 }
 

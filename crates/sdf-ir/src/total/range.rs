@@ -5,7 +5,7 @@
 
 use crate::number::LARGEST;
 use crate::program::{Binary, Function, FunctionId, Node, Program, RegionId, Role, Ternary, Unary, Value};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// The promised size of a component of a point.
 const POINT: f64 = 1e18;
@@ -157,7 +157,7 @@ impl Walk<'_> {
         mut on_call: impl FnMut(FunctionId, &[Range]),
     ) -> Values {
         let mut values: Values = vec![Vec::new(); function.node_count()];
-        let mut arguments = HashMap::from([(RegionId::ROOT, parameters)]);
+        let mut arguments = FxHashMap::from_iter([(RegionId::ROOT, parameters)]);
         self.region(function, &mut values, &mut arguments, RegionId::ROOT, &mut on_call);
         // Arguments stand in no body, but are asked for later like what does.
         for (i, value) in values.iter_mut().enumerate() {
@@ -174,7 +174,7 @@ impl Walk<'_> {
         &self,
         function: &Function,
         values: &mut Values,
-        arguments: &mut HashMap<RegionId, Vec<Range>>,
+        arguments: &mut FxHashMap<RegionId, Vec<Range>>,
         region: RegionId,
         on_call: &mut dyn FnMut(FunctionId, &[Range]),
     ) {
@@ -222,7 +222,7 @@ impl Walk<'_> {
         &self,
         function: &Function,
         values: &Values,
-        arguments: &HashMap<RegionId, Vec<Range>>,
+        arguments: &FxHashMap<RegionId, Vec<Range>>,
         value: Value,
     ) -> Range {
         match function.node(value) {

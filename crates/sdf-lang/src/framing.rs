@@ -2,7 +2,9 @@
 //! one that never promises too much, and sampled at the centres of cells that are split where it may be zero.
 
 use crate::eval::Elaborator;
+use crate::scene::OPERATION_LIMIT;
 use crate::value::Shape;
+use sdf_ir::cost::operations;
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::simplify;
 use sdf_syntax::Span;
@@ -116,6 +118,10 @@ impl Field {
         let mut program = elaborator.contexts.snapshot();
         program.entry = Some(program.add(function));
         let (program, _) = simplify(&program, &[]);
+        if operations(&program, program.entry?) > OPERATION_LIMIT {
+            // The scene is too large altogether, which is said elsewhere.
+            return None;
+        }
         Some(Field { tape: Tape::compile(&program, program.entry?) })
     }
 

@@ -8,6 +8,7 @@ use crate::names::Names;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Options, Scene, Summary};
+use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
 use sdf_syntax::{Diagnostic, Sources, Span};
@@ -50,7 +51,7 @@ pub(crate) fn elaborate(
         exhausted: false,
     };
     let scene = elaborator.scene(options);
-    let Elaborator { contexts, diagnostics, .. } = elaborator;
+    let Elaborator { contexts, mut diagnostics, .. } = elaborator;
     let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
         let mut program = contexts.into_program();
         program.entry = Some(made.pixel);
@@ -61,8 +62,20 @@ pub(crate) fn elaborate(
         let map = made.map.and_then(|_| kept.next());
         Scene { map, probe: kept.next(), program, summary: made.summary }
     });
+    let scene = scene.filter(|scene| {
+        let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
+        if !fits {
+            let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+            let word = Span { end: place.end.min(place.start + 5), ..place };
+            diagnostics.push(errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize));
+        }
+        fits
+    });
     (scene, diagnostics)
 }
+
+/// How many operations one evaluation of a scene may take, with calls expanded.
+pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
 
 /// The functions of a scene, in the program that is being made.
 struct Made {

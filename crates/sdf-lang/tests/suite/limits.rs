@@ -63,3 +63,19 @@ fn too_much_is_an_error() {
         assert!(found.len() == 1 && found[0].starts_with(start), "{text}: {found:#?}");
     }
 }
+
+/// A shape that doubles with each line has few functions and no end of operations: it is refused, and at once.
+#[test]
+fn expansions_are_counted_without_being_expanded() {
+    let lines = |n: usize| -> String {
+        (0..n).map(|i| format!("let s{} = s{i} | s{i}.at(1, 0, {i})\n", i + 1)).collect()
+    };
+    let text = |n: usize| format!("let s0 = sphere(1)\n{}scene {{ s{n} }}", lines(n));
+    assert_eq!(findings(&text(10)), [""; 0]);
+    let found = findings(&text(40));
+    assert!(
+        found.len() == 1
+            && found[0].starts_with("E045: the scene needs more than 1000000 operations at each"),
+        "{found:#?}"
+    );
+}

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::time::Duration;
 
-/// Ten shapes, two lights and a blend.
+/// Ten shapes, with a blend, a shadow and occlusion.
 const SMALL: &str = "
 camera    { eye: (0, 2, 6), target: (0, 0.5, 0) }
 light key { direction: (3, 5, 4), shadow: soft(16) }

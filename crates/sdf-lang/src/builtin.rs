@@ -4,6 +4,7 @@ use crate::call::{Slot, SlotKind};
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
+use crate::surface::Column;
 use crate::value::{Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Constant, Ternary, Type, Unary};
 use sdf_syntax::Span;
@@ -232,12 +233,25 @@ static FUNCTIONS: &[BuiltIn] = &[
         e.stride(shape, &point, span).map(Value::Number)
     }),
     function("surface", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
-        let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
-        let point = e.widen(&number(a, 1), Type::Vec3, span)?;
-        let normal = e.widen(&number(a, 2), Type::Vec3, span)?;
-        e.surface(shape, &point, &normal, span)
+        surface(e, &Column::OF_SURFACE, a, span)
+    }),
+    function("surrounding", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
+        surface(e, &Column::OF_GLOW, a, span)
     }),
 ];
+
+/// The properties of a shape's material at a point where the normal is known.
+fn surface<'t>(
+    e: &mut Elaborator<'t>,
+    asked: &[Column],
+    arguments: &[Option<Value<'t>>],
+    span: Span,
+) -> Eval<Value<'t>> {
+    let Some(Value::Shape(shape)) = &arguments[0] else { unreachable!("fits") };
+    let point = e.widen(&number(arguments, 1), Type::Vec3, span)?;
+    let normal = e.widen(&number(arguments, 2), Type::Vec3, span)?;
+    e.surface(asked, shape, &point, &normal, span)
+}
 
 /// The number that the argument at `index` is.
 fn number(arguments: &[Option<Value<'_>>], index: usize) -> Number {

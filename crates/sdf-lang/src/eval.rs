@@ -63,6 +63,8 @@ pub(crate) struct Elaborator<'t> {
     pub overrides: HashMap<String, crate::Override>,
     /// Which fields of materials were seen to be other than their default.
     pub columns: std::collections::BTreeSet<crate::surface::Column>,
+    /// Whether they are being looked for.
+    pub finding_columns: bool,
     /// The shapes of the scene block, for the camera that frames them.
     pub scene_parts: Vec<Rc<Shape<'t>>>,
     /// How often each function is being evaluated, by its place in memory.

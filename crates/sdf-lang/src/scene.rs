@@ -42,6 +42,7 @@ pub(crate) fn elaborate(
         gradients: sdf_ir::gradient::Gradients::default(),
         overrides: options.set.iter().cloned().collect(),
         columns: BTreeSet::new(),
+        finding_columns: false,
         scene_parts: Vec::new(),
         active: HashMap::new(),
         calls: 0,

@@ -41,6 +41,13 @@ impl Column {
         Column::Ior,
     ];
 
+    /// What decides about light that comes from the surface; the others are about light around it.
+    pub const OF_SURFACE: [Column; 4] =
+        [Column::Color, Column::Specular, Column::Shininess, Column::Emission];
+
+    /// What decides about the glow round it.
+    pub const OF_GLOW: [Column; 2] = [Column::Glow, Column::GlowRadius];
+
     pub fn name(self) -> &'static str {
         match self {
             Column::Color => "color",
@@ -104,9 +111,10 @@ struct Part {
 }
 
 impl<'t> Elaborator<'t> {
-    /// `surface(s, p, n)`: a record of the properties of the material at a point of the surface.
+    /// `surface(s, p, n)`: a record of the properties of the material at a point of the surface, those of `asked`.
     pub fn surface(
         &mut self,
+        asked: &[Column],
         shape: &Rc<Shape<'t>>,
         point: &Number,
         normal: &Number,
@@ -116,11 +124,13 @@ impl<'t> Elaborator<'t> {
             return self.report(errors::not_static(span, "whether there is a surface here"));
         }
         self.find_columns(shape, point, normal, span)?;
+        self.columns.retain(|c| asked.contains(c));
         let name: Arc<str> = Arc::from("surface");
         self.contexts.open(&name, None);
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
         let n = self.contexts.parameter(&Arc::from("n"), normal, false);
-        let found = self.surface_record(shape, &p, &n, span).and_then(|record| self.flatten(&record, span));
+        let found =
+            self.surface_record(asked, shape, &p, &n, span).and_then(|record| self.flatten(&record, span));
         match found {
             Ok((record, numbers)) => Ok(self.close_with(&name, &record, numbers)),
             Err(reported) => {
@@ -133,6 +143,7 @@ impl<'t> Elaborator<'t> {
     /// The record of the properties in use, the others being their defaults.
     fn surface_record(
         &mut self,
+        asked: &[Column],
         shape: &Rc<Shape<'t>>,
         point: &Number,
         normal: &Number,
@@ -145,7 +156,7 @@ impl<'t> Elaborator<'t> {
         };
         let columns: Vec<Column> = self.columns.iter().copied().collect();
         let mut fields = Vec::new();
-        for column in Column::ALL {
+        for column in asked.iter().copied() {
             let default = Number::constant(column.default());
             let value = match (&mix, columns.iter().position(|c| *c == column)) {
                 (Mix::Painted { columns, .. }, Some(i)) => {
@@ -169,11 +180,13 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<()> {
         self.columns.clear();
+        self.finding_columns = true;
         self.contexts.open(&Arc::from("columns"), None);
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
         let n = self.contexts.parameter(&Arc::from("n"), normal, false);
         let found = self.mix(shape, &p, &n, span);
         self.contexts.discard();
+        self.finding_columns = false;
         found.map(|_| ())
     }
 
@@ -404,7 +417,7 @@ impl<'t> Elaborator<'t> {
             }
         }
         for (column, value) in &values {
-            if value.known() != Some(column.default()) {
+            if self.finding_columns && value.known() != Some(column.default()) {
                 self.columns.insert(*column);
             }
         }

@@ -29,6 +29,8 @@ const CALL_LIMIT: u32 = 1024;
 const LOOP_LIMIT: usize = 65_536;
 /// How many nodes a program may have.
 const NODE_LIMIT: usize = 1_000_000;
+/// How often a scene is gone over: for its map, its materials, its frame and its camera.
+const PASSES: usize = 4;
 /// How many expressions elaboration may evaluate: what bounds the time of a nested expansion.
 const WORK_LIMIT: usize = 8_000_000;
 
@@ -102,7 +104,7 @@ impl<'t> Elaborator<'t> {
             self.place = span;
         }
         self.work += 1;
-        if self.work <= WORK_LIMIT && self.contexts.nodes <= NODE_LIMIT {
+        if self.work <= WORK_LIMIT && self.contexts.nodes <= PASSES * NODE_LIMIT {
             return Ok(());
         }
         // It is said once; whatever is evaluated from now on is given up at once.

@@ -150,7 +150,9 @@ fn properties_have_their_defaults() {
         ("a.paint(glossy(1))", "m.shininess", 77.0),
         ("a.paint(red) | b.paint(green)", "m.emission.z", 0.0),
         ("a.paint(red) | b.paint(green)", "m.specular", 0.9),
-        ("a", "m.reflect + m.transmit + m.emission.x + m.glow.y + m.ior + m.glow_radius", 1.75),
+        ("a", "m.emission.x + m.color.y", 0.8),
+        ("a", "surrounding(a, p, y).glow.y + surrounding(a, p, y).glow_radius", 0.25),
+        ("a", "surrounding(a.paint(material { glow: (0, 2, 0) }), p, y).glow.y", 2.0),
     ];
     for (shape, what, expected) in rows {
         let found = property(shape, what, LEFT);

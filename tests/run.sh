@@ -16,6 +16,8 @@ fi
 
 # Mesa's layer that picks devices writes to the terminal; there is nothing to pick.
 export NODEVICE_SELECT=1
+# Some drivers complain where there is no such folder.
+export XDG_RUNTIME_DIR=${XDG_RUNTIME_DIR:-$(mktemp -d)}
 
 cargo fmt --all --check
 cargo clippy --workspace --all-targets --quiet -- -D warnings

@@ -1,6 +1,6 @@
 //! Building a function: hash-consed nodes, folded and simplified as they are made.
 //!
-//! Every operation goes through [`rules`](crate::rules) first, so a function is never worse than its text. A node
+//! Every operation goes through the `rules` first, so a function is never worse than its text. A node
 //! made inside an `If` or a `Loop` is shared there and in the regions inside; one made outside is shared by all.
 
 use crate::constant::Constant;

@@ -2,7 +2,7 @@
 //!
 //! Inlining a call, rebuilding a function and moving it to another program are one walk: every node is made anew
 //! through the builder, so constants that arrive with the arguments fold on the way, and what nothing reads stays
-//! behind. [`Links`] says what the references to the rest of the program become.
+//! behind. `Links` says what the references to the rest of the program become.
 
 use crate::build::Builder;
 use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};

@@ -65,7 +65,7 @@ impl RegionId {
     pub const ROOT: RegionId = RegionId(0);
 }
 
-/// A list of values: a range in [`Function::lists`]. Equal lists of a function are the same range.
+/// A list of values: a range in the function's table of lists. Equal lists of a function are the same range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct List {
     /// The first.

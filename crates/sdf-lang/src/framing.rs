@@ -4,6 +4,7 @@
 use crate::eval::Elaborator;
 use crate::scene::OPERATION_LIMIT;
 use crate::value::Shape;
+use glam::DVec3;
 use sdf_ir::cost::operations;
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::simplify;
@@ -12,7 +13,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// What is framed where nothing is bounded: a ball round a box of 2.
-const DEFAULT: ([f64; 3], f64) = ([0.0; 3], 1.732);
+const DEFAULT: (DVec3, f64) = (DVec3::ZERO, 1.732);
 /// Half the size of the cube that is searched; what reaches its border counts as unbounded.
 const REACH: f64 = 1_048_576.0;
 /// How fine the cells get, as a share of what they cover together.
@@ -21,26 +22,26 @@ const FINEST: f64 = 0.04;
 const MOST_WORK: usize = 4_000_000;
 
 /// A ball round all bounded parts, at time 0 and with the params' defaults: centre and radius.
-pub(crate) fn ball<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> ([f64; 3], f64) {
+pub(crate) fn ball<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> (DVec3, f64) {
     let points = cells_of_bounded(elaborator, parts);
-    if points.is_empty() {
-        return DEFAULT;
-    }
-    let edge = |pick: fn(f64, f64) -> f64, i: usize| points.iter().map(|p| p[i]).reduce(pick).unwrap_or(0.0);
-    let center: [f64; 3] = std::array::from_fn(|i| (edge(f64::min, i) + edge(f64::max, i)) / 2.0);
-    let distance = |p: &[f64; 3]| (0..3).map(|i| (p[i] - center[i]).powi(2)).sum::<f64>().sqrt();
-    let radius = points.iter().map(distance).fold(0.0, f64::max);
-    (center.map(round), if radius > 0.0 { radius } else { DEFAULT.1 })
+    let Some((low, high)) = corners(&points) else { return DEFAULT };
+    let center = (low + high) / 2.0;
+    let radius = points.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
+    // Rounded, so that the camera of a symmetric scene looks at its very centre.
+    let center = (center * 1024.0).round() / 1024.0 + DVec3::ZERO;
+    (center, if radius > 0.0 { radius } else { DEFAULT.1 })
 }
 
-/// Centres are rounded, so that the camera of a symmetric scene looks at its very centre.
-fn round(x: f64) -> f64 {
-    (x * 1024.0).round() / 1024.0 + 0.0
+/// The corners of the box round some points.
+fn corners(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let low = points.iter().copied().reduce(DVec3::min)?;
+    let high = points.iter().copied().reduce(DVec3::max)?;
+    Some((low, high))
 }
 
 /// The cells of all parts that are bounded. Parts are searched together, and one by one only where one of them
 /// is unbounded.
-fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Vec<[f64; 3]> {
+fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Vec<DVec3> {
     if parts.is_empty() {
         return Vec::new();
     }
@@ -57,19 +58,17 @@ fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]
 }
 
 /// The centres of small cells in which the surface or the inside of a union may be; nothing if it is unbounded.
-fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Vec<[f64; 3]>> {
+fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Vec<DVec3>> {
     let field = Field::new(elaborator, parts)?;
     let mut machine = Machine::<f64>::new(&field.tape);
     let mut half = REACH;
-    let mut cells = vec![[0.0; 3]];
+    let mut cells = vec![DVec3::ZERO];
     loop {
         let quarter = half / 2.0;
-        let children: Vec<[f64; 3]> = cells
+        let sign = |k: i32, bit: i32| if k >> bit & 1 == 1 { quarter } else { -quarter };
+        let children: Vec<DVec3> = cells
             .iter()
-            .flat_map(|c| {
-                (0..8)
-                    .map(|k| std::array::from_fn(|i| c[i] + if k >> i & 1 == 1 { quarter } else { -quarter }))
-            })
+            .flat_map(|c| (0..8).map(|k| *c + DVec3::new(sign(k, 0), sign(k, 1), sign(k, 2))))
             .collect();
         half = quarter;
         let distances = field.distances(&mut machine, &children);
@@ -79,19 +78,12 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option
             .filter(|(_, d)| *d <= half * 3f64.sqrt())
             .map(|(c, _)| c)
             .collect();
-        let at_border = |c: &[f64; 3]| c.iter().any(|x| x.abs() + 1.5 * half > REACH);
-        if cells.is_empty() {
-            return Some(cells);
-        }
+        let at_border = |c: &DVec3| c.abs().max_element() + 1.5 * half > REACH;
+        let Some((low, high)) = corners(&cells) else { return Some(cells) };
         if half <= REACH / 8.0 && cells.iter().any(at_border) {
             return None;
         }
-        let extent = (0..3)
-            .map(|i| {
-                let all = cells.iter().map(|c| c[i]);
-                all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
-            })
-            .fold(0.0, f64::max);
+        let extent = (high - low).max_element();
         let is_fine = half <= FINEST * extent || 8 * cells.len() * parts.len() > MOST_WORK;
         if (half <= REACH / 8.0 && is_fine) || half < 1e-6 {
             return Some(cells);
@@ -125,7 +117,7 @@ impl Field {
         Some(Field { tape: Tape::compile(&program, program.entry?) })
     }
 
-    fn distances(&self, machine: &mut Machine<'_, f64>, points: &[[f64; 3]]) -> Vec<f64> {
+    fn distances(&self, machine: &mut Machine<'_, f64>, points: &[DVec3]) -> Vec<f64> {
         let axis = |i: usize| points.iter().map(|p| p[i]).collect::<Vec<f64>>();
         let (x, y, z) = (axis(0), axis(1), axis(2));
         let mut out = vec![0.0; points.len()];

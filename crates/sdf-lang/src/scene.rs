@@ -233,7 +233,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// A ball round the bounded parts of the scene: centre and radius.
-    pub fn scene_ball(&mut self) -> ([f64; 3], f64) {
+    pub fn scene_ball(&mut self) -> (glam::DVec3, f64) {
         let parts: Vec<_> = self.scene_parts.iter().flat_map(parts_of_union).collect();
         crate::framing::ball(self, &parts)
     }

@@ -3,6 +3,7 @@
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::value::{Callable, Env, Module, Number, Value};
+use glam::DVec3;
 use sdf_ir::{Binary, Constant, Role, Type, Unary, Uniform};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
@@ -197,14 +198,13 @@ impl<'t> Elaborator<'t> {
         let target = if has_target {
             target.clone()
         } else {
-            Number::constant(Constant::Vec3(center)).named(&Arc::from("target"))
+            Number::constant(Constant::Vec3(center.to_array())).named(&Arc::from("target"))
         };
-        let direction = [1.0, 0.7, 1.5];
-        let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = DVec3::new(1.0, 0.7, 1.5).normalize();
         let half = self.binary(Binary::Multiply, fov, &Number::float(0.5), Span::default())?;
         let sine = self.unary(Unary::Sin, &half, Span::default())?;
         let distance = self.binary(Binary::Divide, &Number::float(radius * 1.15), &sine, Span::default())?;
-        let unit = Number::constant(Constant::Vec3(direction.map(|x| x / size)));
+        let unit = Number::constant(Constant::Vec3(direction.to_array()));
         let offset = self.binary(Binary::Multiply, &unit, &distance, Span::default())?;
         let eye = self.binary(Binary::Add, &target, &offset, Span::default())?;
         Ok((eye.named(&Arc::from("eye")), target))

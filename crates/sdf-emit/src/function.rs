@@ -99,8 +99,11 @@ impl<'a> Printer<'a> {
             self.line(end);
             self.line("");
         }
-        if let Some(line) = self.function.line {
-            self.line(&format!("// line {line}"));
+        let line = self.function.line.map(|line| format!("line {line} of the scene"));
+        for text in line.as_deref().into_iter().chain(self.function.doc.as_deref()) {
+            for row in wrapped(text) {
+                self.line(&crate::comment(&row));
+            }
         }
         let mut parameters = Vec::new();
         for (i, parameter) in self.function.parameters.iter().enumerate() {
@@ -503,4 +506,21 @@ impl<'a> Printer<'a> {
 fn number(x: f64) -> Result<Expression, EmitError> {
     let x = x as f32;
     if x.is_finite() { Ok(Expression::number(x)) } else { Err(EmitError::NotFinite) }
+}
+
+/// A sentence in rows of at most about 100 characters.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut rows = vec![String::new()];
+    for word in text.split_whitespace() {
+        let row = rows.last_mut().expect("there is a row");
+        if row.is_empty() {
+            row.push_str(word);
+        } else if row.len() + word.len() < 100 {
+            row.push(' ');
+            row.push_str(word);
+        } else {
+            rows.push(word.to_string());
+        }
+    }
+    rows
 }

@@ -158,7 +158,7 @@ fn head(target: Target, header: &Header, wrapper: &Wrapper) -> String {
 }
 
 /// A line as a comment. A backslash would glue the next line of GLSL to it.
-fn comment(line: &str) -> String {
+pub(crate) fn comment(line: &str) -> String {
     let safe = |c: char| if (c.is_ascii_graphic() && c != '\\') || c == ' ' { c } else { '?' };
     let line: String = line.chars().map(safe).collect();
     format!("// {line}").trim_end().to_owned()

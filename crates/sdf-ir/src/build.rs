@@ -30,6 +30,7 @@ impl Builder {
         let function = Function {
             name: name.into(),
             line: None,
+            doc: None,
             parameters,
             result_names: Vec::new(),
             nodes: Vec::new(),
@@ -49,6 +50,11 @@ impl Builder {
     /// The function so far.
     pub fn function(&self) -> &Function {
         &self.function
+    }
+
+    /// What the function is, in a sentence.
+    pub fn set_doc(&mut self, doc: Option<Arc<str>>) {
+        self.function.doc = doc;
     }
 
     /// The line of the source that the function comes from.

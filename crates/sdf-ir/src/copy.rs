@@ -55,6 +55,7 @@ impl Builder {
 pub fn rebuild(function: &Function) -> Function {
     let mut builder = Builder::new(function.name.clone(), function.parameters.clone());
     builder.set_line(function.line);
+    builder.set_doc(function.doc.clone());
     let arguments: Vec<Value> =
         (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
     let results = builder.inline(function, &arguments);

@@ -321,6 +321,8 @@ pub struct Function {
     pub name: Arc<str>,
     /// The line of the root file that it comes from, where there is one.
     pub line: Option<u32>,
+    /// What it is, in a sentence that may stand in an output: never a user's text.
+    pub doc: Option<Arc<str>>,
     /// The parameters: the arguments of the root region.
     pub parameters: Vec<Parameter>,
     /// The names of the results, as long as the results of the root region; empty names are allowed.

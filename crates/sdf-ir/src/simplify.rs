@@ -161,6 +161,7 @@ fn with_parameters(source: &Function, takes: &[bool], links: &dyn Links) -> Func
     let parameters: Vec<Parameter> = parameters.map(|(parameter, _)| parameter.clone()).collect();
     let mut builder = Builder::new(source.name.clone(), parameters);
     builder.set_line(source.line);
+    builder.set_doc(source.doc.clone());
     let mut kept = 0..;
     let arguments: Vec<Value> = takes
         .iter()
@@ -202,6 +203,7 @@ fn without_names(function: &Function) -> Function {
     let mut it = function.clone();
     it.name = "".into();
     it.line = None;
+    it.doc = None;
     it.names.fill(None);
     it.result_names.fill("".into());
     it.parameters.iter_mut().for_each(|parameter| parameter.name = "".into());

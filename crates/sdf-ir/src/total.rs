@@ -133,6 +133,7 @@ impl Raise<'_> {
     fn function(&self, function: &Function) -> Function {
         let mut b = Builder::new(function.name.clone(), function.parameters.clone());
         b.set_line(function.line);
+        b.set_doc(function.doc.clone());
         let arguments: Vec<Value> =
             (0..function.parameters.len()).map(|i| b.argument(RegionId::ROOT, i as u16)).collect();
         let results = copy::inline(&mut b, function, &arguments, self);

@@ -380,6 +380,8 @@ impl<'t> Elaborator<'t> {
     ) -> Option<Eval<Value<'t>>> {
         let line = self.line(function.name.span);
         self.contexts.open(&function.name.text, line);
+        let place = std::ptr::from_ref(function).cast::<()>();
+        self.contexts.describe(self.names.module(module).docs.get(&place).cloned());
         let inside: Vec<_> =
             arguments.iter().map(|(name, v)| (name.clone(), self.seen_from_inside(name, v))).collect();
         let errors_before = self.diagnostics.len();

@@ -111,6 +111,11 @@ impl Contexts {
         self.frame_calls
     }
 
+    /// Says what the innermost function is.
+    pub fn describe(&mut self, doc: Option<Arc<str>>) {
+        self.builder().set_doc(doc);
+    }
+
     /// Gives the innermost function a parameter for which its caller passes `argument`.
     pub fn parameter(&mut self, name: &Arc<str>, argument: &Number, point: bool) -> Number {
         let depth = self.depth();

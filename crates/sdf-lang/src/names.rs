@@ -29,6 +29,8 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
+    /// The first sentence of what is said of each function, by its place in memory.
+    pub docs: HashMap<*const (), Arc<str>>,
     /// The slopes that functions state for their fields, by their places in memory.
     pub slopes: HashMap<*const (), &'t Expr>,
     /// What items require, by their places in memory.
@@ -191,6 +193,10 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
         {
             items.requirements.insert(place, requirements);
         }
+        // What a user wrote never reaches an output, so only the compiler's own files are quoted.
+        if let (Some(place), false, false) = (place, module == Module::User, item.docs.is_empty()) {
+            items.docs.insert(place, first_sentence(&item.docs));
+        }
         if let (ItemKind::Fn(_), Some(place), Some(slope)) =
             (&item.kind, place, stated_slope(&item.attributes))
         {
@@ -349,6 +355,13 @@ fn requirements<'t>(
         }
     }
     out
+}
+
+/// The first sentence of a doc comment, on one line.
+fn first_sentence(docs: &str) -> Arc<str> {
+    let line = docs.split_whitespace().collect::<Vec<_>>().join(" ");
+    let end = line.find(". ").map_or(line.len(), |i| i + 1);
+    Arc::from(&line[..end])
 }
 
 /// What `@lipschitz(e)` states.

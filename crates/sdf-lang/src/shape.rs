@@ -113,6 +113,7 @@ impl<'t> Elaborator<'t> {
         let name = function_name(origin);
         let line = self.line(origin.span);
         self.contexts.open(&name, line);
+        self.contexts.describe(self.names.module(origin.module).docs.get(&origin.function).cloned());
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
         let mut inside = Env::new(env.module);
         for (name, value) in env.variables() {
@@ -146,6 +147,9 @@ impl<'t> Elaborator<'t> {
         }
         let line = self.line(place);
         self.contexts.open(name, line);
+        if matches!(thunk, Thunk::Fixed) {
+            self.contexts.describe(Some(Arc::from("The distance from a point to the scene.")));
+        }
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
         let result =
             self.shape_from_inside(thunk, inner).and_then(|s| self.body_of_named(&s, &inner_point, span));

@@ -24,6 +24,8 @@ impl<'t> Elaborator<'t> {
             _ => Arc::from("stride"),
         };
         self.contexts.open(&name, None);
+        let doc = "How far a ray may step from p: the distance, over the slope where that is above 1.";
+        self.contexts.describe(Some(Arc::from(doc)));
         let inside = self.contexts.parameter(&Arc::from("p"), point, true);
         match self.safe_step(shape, &inside, span) {
             Ok(step) => {

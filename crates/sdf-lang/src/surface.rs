@@ -127,6 +127,8 @@ impl<'t> Elaborator<'t> {
         self.columns.retain(|c| asked.contains(c));
         let name: Arc<str> = Arc::from("surface");
         self.contexts.open(&name, None);
+        let doc = "What the material at a point of the surface is like.";
+        self.contexts.describe(Some(Arc::from(doc)));
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
         let n = self.contexts.parameter(&Arc::from("n"), normal, false);
         let found =

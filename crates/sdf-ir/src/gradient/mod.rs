@@ -78,6 +78,7 @@ fn differentiate(
 ) -> Made {
     let mut builder = Builder::new(format!("{}_gradient", source.name), source.parameters.clone());
     builder.set_line(source.line);
+    builder.set_doc(Some("The same, with its derivative by the point or by the other values.".into()));
     let arguments: Vec<Value> =
         (0..source.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
     let active: Vec<usize> = (0..source.parameters.len()).filter(|i| request.active[*i]).collect();

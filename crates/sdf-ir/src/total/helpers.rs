@@ -100,6 +100,28 @@ impl Helper {
         }
     }
 
+    /// What it is, for a reader of the text.
+    fn doc(self) -> &'static str {
+        match self {
+            Helper::SineCosine => "Sine and cosine of an angle, the same on every device.",
+            Helper::Tangent => "Tangent of an angle, the same on every device.",
+            Helper::ArcSine => "Arc sine, of the argument clamped to -1 to 1.",
+            Helper::ArcCosine => "Arc cosine, of the argument clamped to -1 to 1.",
+            Helper::ArcTangent => "Arc tangent, the same on every device.",
+            Helper::Angle => "The angle of the point (x, y), 0 at the origin.",
+            Helper::Exponential => "e to the power of x, never infinite.",
+            Helper::Exponential2 => "2 to the power of x, never infinite.",
+            Helper::Logarithm => "Natural logarithm, of a small number where x is not above 0.",
+            Helper::Logarithm2 => "Logarithm to base 2, of a small number where x is not above 0.",
+            Helper::HyperbolicTangent => "Hyperbolic tangent, the same on every device.",
+            Helper::Power => "|x| to the power of y, with the sign of an odd whole power, never infinite.",
+            Helper::Quotient => "x / y, with the largest number for x / 0, and 0 for 0 / 0.",
+            Helper::Remainder => "x - y * floor(x / y), and 0 where y is 0.",
+            Helper::Length2 | Helper::Length3 => "The length of a vector, never infinite.",
+            Helper::Direction2 | Helper::Direction3 => "The vector with length 1, and zero for zero.",
+        }
+    }
+
     /// The names and types of its parameters, and the type of its result.
     pub(super) fn signature(self) -> (&'static [(&'static str, Type)], Type) {
         const X: &[(&str, Type)] = &[("x", Type::Float)];
@@ -141,6 +163,7 @@ impl Helper {
         let parameters =
             parameters.iter().map(|(name, ty)| Parameter { name: (*name).into(), ty: *ty, point: false });
         let mut builder = Builder::new(self.name(), parameters.collect());
+        builder.set_doc(Some(self.doc().into()));
         let arguments: Vec<Value> =
             (0..self.signature().0.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
         let result = self.write(&mut builder, &arguments, callees);

@@ -8,6 +8,7 @@
 
 mod builtin;
 mod call;
+mod choice;
 mod context;
 mod errors;
 mod eval;
@@ -15,6 +16,7 @@ mod framing;
 mod items;
 mod library;
 mod names;
+mod operators;
 mod outline;
 mod scene;
 mod settings;

@@ -181,13 +181,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// A call of the library's function for an operator on shapes.
-    pub fn call_named(
-        &mut self,
-        name: &str,
-        _dimension: Dimension,
-        arguments: Vec<Value<'t>>,
-        span: Span,
-    ) -> Eval<Value<'t>> {
+    pub fn call_named(&mut self, name: &str, arguments: Vec<Value<'t>>, span: Span) -> Eval<Value<'t>> {
         let candidates = self.overloads(name, Module::Library);
         self.call_overloads(&Arc::from(name), &candidates, Given::positional(arguments), span)
     }
@@ -207,15 +201,11 @@ impl<'t> Elaborator<'t> {
         let signature = format!("shape(p: {})", if ty == Type::Vec3 { "vec3" } else { "vec2" });
         match fit(&mut self.contexts, &slot, &given) {
             Ok(fit) => match fit.arguments.into_iter().next().flatten() {
-                Some(Value::Number(n)) => self.widen_row(n, ty, span),
+                Some(Value::Number(n)) => self.widen(&n, ty, span),
                 _ => self.report(errors::no_fit(span, "shape", &given.describe(), "", &[signature])),
             },
             Err(why) => self.report(errors::no_fit(span, "shape", &given.describe(), &why, &[signature])),
         }
-    }
-
-    fn widen_row(&mut self, n: Number, ty: Type, span: Span) -> Eval<Number> {
-        self.widen(&n, ty, span)
     }
 
     /// The one function of several that a call means.

@@ -16,9 +16,7 @@ impl<'t> Elaborator<'t> {
             (UnaryOp::Not, Value::Number(n)) if n.ty == Type::Bool => {
                 self.unary(Unary::Not, n, span).map(Value::Number)
             }
-            (UnaryOp::Not, Value::Shape(s)) => {
-                self.call_named("complement", s.dimension, vec![value.clone()], span)
-            }
+            (UnaryOp::Not, Value::Shape(_)) => self.call_named("complement", vec![value.clone()], span),
             (UnaryOp::Negate, Value::Shape(_)) => self.report(errors::prefix_operator(
                 span,
                 "-",
@@ -85,7 +83,7 @@ impl<'t> Elaborator<'t> {
             }
         }
         let span = first.span.to(rest[rest.len() - 1].2.span);
-        self.call_named("union", dimension, all.into_iter().map(|(v, _)| v).collect(), span)
+        self.call_named("union", all.into_iter().map(|(v, _)| v).collect(), span)
     }
 
     pub fn infix(
@@ -102,7 +100,6 @@ impl<'t> Elaborator<'t> {
                 self.infix_numbers(op, a, b, span, op_span)
             }
             (Value::Shape(a), Value::Shape(b)) if a.dimension == b.dimension => {
-                let dimension = a.dimension;
                 let name = match op {
                     BinaryOp::Union => "union",
                     BinaryOp::Intersection => "intersection",
@@ -112,7 +109,7 @@ impl<'t> Elaborator<'t> {
                         return self.report(self.infix_error(op, &l, &r, op_span));
                     }
                 };
-                self.call_named(name, dimension, vec![left, right], span)
+                self.call_named(name, vec![left, right], span)
             }
             _ => {
                 let (l, r) = (left.describe(), right.describe());

@@ -284,34 +284,9 @@ impl<'t> Elaborator<'t> {
             summary.effects.push("relaxation");
         }
         let lights = settings.iter().find(|(n, _)| &**n == "lights").map(|(_, v)| v);
-        if let Some(Value::List(lights)) = lights {
-            let flag = |name: &str| {
-                lights.items.iter().any(|l| match l {
-                    Value::Record(r) => match (r.get("casts"), r.get(name)) {
-                        (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
-                            casts.known() == Some(Constant::Bool(true))
-                                && soft.known() == Some(Constant::Bool(name == "soft"))
-                        }
-                        _ => false,
-                    },
-                    _ => false,
-                })
-            };
-            if flag("soft") {
-                summary.effects.push("soft shadow");
-            }
-            let hard = lights.items.iter().any(|l| match l {
-                Value::Record(r) => match (r.get("casts"), r.get("soft")) {
-                    (Some(Value::Number(casts)), Some(Value::Number(soft))) => {
-                        casts.known() == Some(Constant::Bool(true))
-                            && soft.known() == Some(Constant::Bool(false))
-                    }
-                    _ => false,
-                },
-                _ => false,
-            });
-            if hard {
-                summary.effects.push("hard shadow");
+        for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
+            if matches!(lights, Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft))) {
+                summary.effects.push(name);
             }
         }
         if self.scene_parts.iter().any(|s| s.steep) {
@@ -325,6 +300,16 @@ impl<'t> Elaborator<'t> {
         }
         summary
     }
+}
+
+/// Whether a light casts shadows of this kind.
+fn casts_shadow(light: &Value<'_>, soft: bool) -> bool {
+    let Value::Record(light) = light else { return false };
+    let is = |name: &str, wanted: bool| match light.get(name) {
+        Some(Value::Number(n)) => n.known() == Some(Constant::Bool(wanted)),
+        _ => false,
+    };
+    is("casts", true) && is("soft", soft)
 }
 
 /// The shapes that a union is made of, also where the union has a name; a shape that is none is its only part.

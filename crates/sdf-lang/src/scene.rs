@@ -110,11 +110,16 @@ impl<'t> Elaborator<'t> {
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
         let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
         let glows = self.glows(&shapes)?;
-        let summary = self.summary(&settings, &glows, shapes.len());
+        let mut summary = self.summary(&settings, &glows, shapes.len());
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
-        fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
+        let empty = self.is_empty(&map)?;
+        if empty {
+            // Its sky is all that is drawn.
+            summary.effects.clear();
+        }
+        fields.push((Arc::from("empty"), Value::bool(empty)));
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         let scene = Value::record(fields);

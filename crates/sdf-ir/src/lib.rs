@@ -16,8 +16,10 @@ pub mod eval;
 pub mod gradient;
 pub mod number;
 pub mod program;
+
 #[cfg(test)]
 mod reference;
+pub mod region;
 mod rules;
 pub mod simplify;
 pub mod total;

@@ -5,7 +5,8 @@
 
 use crate::constant::Constant;
 use crate::program::{
-    Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Ternary, Type, Unary, Value,
+    Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
+    Ternary, Type, Unary, Value,
 };
 use crate::rules;
 use rustc_hash::FxHashMap;
@@ -38,6 +39,8 @@ impl Builder {
             names: Vec::new(),
             regions: vec![root],
             lists: Vec::new(),
+            lipschitz: None,
+            rotations: Rotations::default(),
         };
         Builder {
             function,
@@ -60,6 +63,28 @@ impl Builder {
     /// The line of the source that the function comes from.
     pub fn set_line(&mut self, line: Option<u32>) {
         self.function.line = line;
+    }
+
+    /// Promises that between two calls the results change by at most this times the distance of the arguments that
+    /// are points; see [`Function::lipschitz`].
+    pub fn set_lipschitz(&mut self, lipschitz: Option<f64>) {
+        self.function.lipschitz = lipschitz.map(f64::to_bits);
+    }
+
+    /// Notes that `image` is `vector` turned about `axis` by `angle`: a fact beside the nodes, which keeps what the
+    /// products that compute the image no longer show. The first note on an image stays.
+    pub fn mark_rotation(&mut self, rotation: Rotation) {
+        let Rotation { image, vector, .. } = rotation;
+        assert!(
+            self.ty(image).is_vector() && self.ty(image) == self.ty(vector),
+            "a vector turns into its like"
+        );
+        let rotations = &mut self.function.rotations.0;
+        if image != vector
+            && let Err(place) = rotations.binary_search_by_key(&image, |rotation| rotation.image)
+        {
+            rotations.insert(place, rotation);
+        }
     }
 
     /// Adds a parameter and returns it.

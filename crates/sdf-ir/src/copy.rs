@@ -5,7 +5,8 @@
 //! behind. `Links` says what the references to the rest of the program become.
 
 use crate::build::Builder;
-use crate::program::{Function, FunctionId, Loop, Node, RegionId, Type, Value};
+use crate::interval::Angle;
+use crate::program::{Function, FunctionId, Loop, Node, RegionId, Rotation, Type, Value};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -56,6 +57,7 @@ pub fn rebuild(function: &Function) -> Function {
     let mut builder = Builder::new(function.name.clone(), function.parameters.clone());
     builder.set_line(function.line);
     builder.set_doc(function.doc.clone());
+    builder.set_lipschitz(function.lipschitz());
     let arguments: Vec<Value> =
         (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
     let results = builder.inline(function, &arguments);
@@ -213,10 +215,34 @@ impl<'a> Copy<'a> {
                     count += 1;
                 });
                 let operation = self.links.operation(builder, node, &operands[..count]);
-                return self.set_one(builder, value, operation);
+                self.set_one(builder, value, operation);
+                return self.carry_rotation(builder, value);
             }
         };
         self.set(builder, value, copied);
+    }
+
+    /// Says of a copied node that it is a vector turned, where the source says so and the vector has been copied.
+    fn carry_rotation(&self, builder: &mut Builder, value: Value) {
+        let Some(rotation) = self.source.rotation_of(value) else { return };
+        let Copied::One(image) = self.copied[value.0 as usize] else { return };
+        if let Some(vector) = self.copied_or_leaf(builder, rotation.vector) {
+            let axis = rotation.axis.and_then(|axis| self.copied_or_leaf(builder, axis));
+            let angle = match rotation.angle {
+                Angle::Of(angle) => self.copied_or_leaf(builder, angle).map_or(Angle::Unknown, Angle::Of),
+                angle => angle,
+            };
+            builder.mark_rotation(Rotation { image, vector, axis, angle });
+        }
+    }
+
+    /// What stands for a value, if it is a leaf or has been copied.
+    fn copied_or_leaf(&self, builder: &mut Builder, value: Value) -> Option<Value> {
+        match (self.source.node(value), &self.copied[value.0 as usize]) {
+            (_, Copied::One(copied)) => Some(*copied),
+            (Node::Argument(region, index), _) => Some(*self.arguments.get(&region)?.get(index as usize)?),
+            (node, _) => is_leaf(node).then(|| self.value(builder, value)),
+        }
     }
 
     fn branch(

@@ -14,6 +14,7 @@ pub mod cost;
 mod dump;
 pub mod eval;
 pub mod gradient;
+pub mod interval;
 pub mod number;
 pub mod program;
 
@@ -31,8 +32,8 @@ pub use constant::Constant;
 pub use copy::rebuild;
 pub use gradient::{Gradients, gradient};
 pub use program::{
-    Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Ternary,
-    Type, Unary, Uniform, Value,
+    Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Rotation,
+    Ternary, Type, Unary, Uniform, Value,
 };
 pub use simplify::simplify;
 pub use total::legalise;

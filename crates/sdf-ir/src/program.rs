@@ -7,6 +7,8 @@
 //! available everywhere in their function.
 
 use crate::constant::Constant;
+use crate::interval::Angle;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// The types of values.
@@ -333,9 +335,60 @@ pub struct Function {
     pub(crate) names: Vec<Option<Arc<str>>>,
     pub(crate) regions: Vec<Region>,
     pub(crate) lists: Vec<Value>,
+    /// The bits of the promised Lipschitz constant.
+    pub(crate) lipschitz: Option<u64>,
+    pub(crate) rotations: Rotations,
+}
+
+/// That a value is another vector turned: what the dots that compute it no longer say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rotation {
+    /// What comes out.
+    pub image: Value,
+    /// What is turned: a vec2 or vec3.
+    pub vector: Value,
+    /// The axis of a vec3, of any length but zero; `None` where it is not known, and for a vec2.
+    pub axis: Option<Value>,
+    /// The angle in radians.
+    pub angle: Angle<Value>,
+}
+
+/// The rotations of a function, in the order of their images. They say nothing that the nodes do not, so functions
+/// that differ in them alone are equal.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rotations(pub Vec<Rotation>);
+
+impl PartialEq for Rotations {
+    fn eq(&self, _: &Rotations) -> bool {
+        true
+    }
+}
+
+impl Eq for Rotations {}
+
+impl Hash for Rotations {
+    fn hash<H: Hasher>(&self, _: &mut H) {}
 }
 
 impl Function {
+    /// The Lipschitz constant that is promised for the results: between two calls they change by at most this times
+    /// the distance of the arguments that are points (of all arguments, where none is a point), while the other
+    /// arguments are the same.
+    pub fn lipschitz(&self) -> Option<f64> {
+        self.lipschitz.map(f64::from_bits)
+    }
+
+    /// Which values are other values turned, in the order of the images.
+    pub fn rotations(&self) -> &[Rotation] {
+        &self.rotations.0
+    }
+
+    /// The rotation that the value is the image of.
+    pub fn rotation_of(&self, image: Value) -> Option<&Rotation> {
+        let rotations = self.rotations();
+        rotations.binary_search_by_key(&image, |rotation| rotation.image).ok().map(|i| &rotations[i])
+    }
+
     /// The node that a value names.
     pub fn node(&self, value: Value) -> Node {
         self.nodes[value.0 as usize]

@@ -162,6 +162,7 @@ fn with_parameters(source: &Function, takes: &[bool], links: &dyn Links) -> Func
     let mut builder = Builder::new(source.name.clone(), parameters);
     builder.set_line(source.line);
     builder.set_doc(source.doc.clone());
+    builder.set_lipschitz(source.lipschitz());
     let mut kept = 0..;
     let arguments: Vec<Value> = takes
         .iter()

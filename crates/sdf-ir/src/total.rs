@@ -134,6 +134,7 @@ impl Raise<'_> {
         let mut b = Builder::new(function.name.clone(), function.parameters.clone());
         b.set_line(function.line);
         b.set_doc(function.doc.clone());
+        b.set_lipschitz(function.lipschitz());
         let arguments: Vec<Value> =
             (0..function.parameters.len()).map(|i| b.argument(RegionId::ROOT, i as u16)).collect();
         let results = copy::inline(&mut b, function, &arguments, self);

@@ -183,6 +183,18 @@ static FUNCTIONS: &[BuiltIn] = &[
         let back = e.binary(Binary::Multiply, &n, &twice, span)?;
         e.binary(Binary::Subtract, &v, &back, span).map(Value::Number)
     }),
+    BuiltIn {
+        name: "rotated",
+        parameters: &[("image", VECTOR), ("v", VECTOR), ("angle", FLOAT), ("axis", VEC3)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, _| {
+            let (image, v, angle) = (number(a, 0), number(a, 1), number(a, 2));
+            let axis = a[3].is_some().then(|| number(a, 3));
+            e.contexts.mark_rotation(&image, &v, axis.as_ref(), &angle);
+            Ok(Value::Number(image))
+        },
+    },
     function("refract", &[("v", VECTOR), ("n", VECTOR), ("eta", FLOAT)], refract),
     function("len", &[("list", LIST)], |_, a, _| match &a[0] {
         Some(Value::List(l)) => Ok(Value::float(l.items.len() as f64)),

@@ -9,8 +9,10 @@
 use crate::value::{Number, Repr};
 use rustc_hash::FxHashMap;
 use sdf_ir::build::OpenRegions;
+use sdf_ir::interval::Angle;
 use sdf_ir::{
-    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Ternary, Type, Unary,
+    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Rotation, Ternary,
+    Type, Unary,
 };
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -389,6 +391,37 @@ impl Contexts {
         }
         let name = name_of_result(op, operands);
         Number { ty: result.ty, key: hasher.finish(), name, repr: Repr::Outer(depth, Rc::new(result)) }
+    }
+
+    /// Notes that a number is a vector turned about an axis by an angle, where it is a node of an open function.
+    /// Nothing is added that would reach the text.
+    pub fn mark_rotation(&mut self, image: &Number, vector: &Number, axis: Option<&Number>, angle: &Number) {
+        let Repr::Local(depth, image_node) = image.repr else { return };
+        if vector.ty != image.ty {
+            return;
+        }
+        let Some(vector) = self.already_at(vector, depth) else { return };
+        let axis = axis.and_then(|axis| self.already_at(axis, depth));
+        let angle = match angle.repr {
+            Repr::Static(_) | Repr::Frame(_) => Angle::Steady,
+            _ => self.already_at(angle, depth).map_or(Angle::Unknown, Angle::Of),
+        };
+        let builder = &mut self.stack[depth as usize].builder;
+        builder.mark_rotation(Rotation { image: image_node, vector, axis, angle });
+    }
+
+    /// The number as a node of the function at `depth`, if it is known there without a new parameter or global.
+    fn already_at(&mut self, number: &Number, depth: u32) -> Option<sdf_ir::Value> {
+        match &number.repr {
+            Repr::Static(c) => Some(self.stack[depth as usize].builder.constant(*c)),
+            Repr::Frame(value) => {
+                let index = self.globals.get(value)?;
+                Some(self.stack[depth as usize].builder.global(*index, number.ty))
+            }
+            Repr::Local(d, value) if *d == depth => Some(*value),
+            Repr::Outer(d, inner) if depth <= *d => self.already_at(inner, depth),
+            Repr::Local(..) | Repr::Outer(..) => self.stack[depth as usize].imports.get(&number.key).copied(),
+        }
     }
 
     /// The number as it is outside the functions deeper than the innermost one.

@@ -1,0 +1,120 @@
+//! Evaluating over regions: where the values of a function lie, and how far they move with the point.
+//!
+//! The typical way is `Function → Walker → run` for many regions, or [`bounds`] and [`slopes`] for one. An
+//! [`Interval`] holds every number that may come out, in exact arithmetic and as `f64` computes it; [`Bounds`] also
+//! know how long a vector is, which a rotation keeps; [`Slopes`] bound the Jacobian, so that its norm is a Lipschitz
+//! constant over the region. They want a program as it was built: operations as the language means them, before
+//! [`legalise`](crate::total::legalise).
+
+mod bounds;
+mod chain;
+mod functions;
+mod growing;
+mod matrix;
+mod number;
+mod operations;
+mod plan;
+mod rotation;
+mod seam;
+mod slopes;
+mod walk;
+
+pub use bounds::Bounds;
+pub use growing::Growing;
+pub use number::Interval;
+pub use rotation::Angle;
+pub use slopes::{Sloped, Slopes};
+pub use walk::Domain;
+
+use crate::number::LARGEST;
+use crate::program::{Function, Program, RegionId, Role, Type, Uniform};
+use plan::Plan;
+use walk::{Frame, Walk};
+
+/// Evaluates one function over many regions.
+pub struct Walker<'p, D> {
+    program: &'p Program,
+    function: &'p Function,
+    walk: Walk<D>,
+    frame: Frame<D>,
+    results: Vec<D>,
+}
+
+impl<'p, D: Domain> Walker<'p, D> {
+    /// For a function that may call those of the program; it need not be one of them. There is a value for each
+    /// uniform and each global of the program.
+    pub fn new(
+        program: &'p Program,
+        function: &'p Function,
+        uniforms: &[Bounds],
+        globals: &[Bounds],
+    ) -> Walker<'p, D> {
+        let steady = |values: &[Bounds]| values.iter().map(D::steady).collect();
+        let walk = Walk::new(steady(uniforms), steady(globals));
+        let frame = walk.frame(function, Plan::new(function));
+        Walker { program, function, walk, frame, results: Vec::new() }
+    }
+
+    /// The results for these arguments, one for each parameter.
+    pub fn run(&mut self, arguments: &[D]) -> &[D] {
+        assert_eq!(
+            arguments.len(),
+            self.function.parameters.len(),
+            "the arguments of {}",
+            self.function.name
+        );
+        self.walk.begin();
+        self.walk.region(self.program, self.function, &mut self.frame, RegionId::ROOT, arguments);
+        self.results.clear();
+        let results = &self.function.root().results;
+        self.results.extend(results.iter().map(|v| self.frame.values[v.0 as usize]));
+        &self.results
+    }
+}
+
+/// Where the results of a function lie for these arguments, uniforms and globals.
+pub fn bounds(
+    program: &Program,
+    function: &Function,
+    arguments: &[Bounds],
+    uniforms: &[Bounds],
+    globals: &[Bounds],
+) -> Vec<Bounds> {
+    Walker::new(program, function, uniforms, globals).run(arguments).to_vec()
+}
+
+/// Where the results of a function lie, and how they move, for arguments that move as these say; uniforms and
+/// globals stand still.
+pub fn slopes(
+    program: &Program,
+    function: &Function,
+    arguments: &[Sloped],
+    uniforms: &[Bounds],
+    globals: &[Bounds],
+) -> Vec<Sloped> {
+    Walker::new(program, function, uniforms, globals).run(arguments).to_vec()
+}
+
+/// All values that a uniform may have, by its role.
+pub fn bounds_of_uniform(uniform: &Uniform) -> Bounds {
+    match &uniform.role {
+        Role::Time => Bounds::float(Interval::new(0.0, LARGEST)),
+        Role::Mouse => Bounds::vector(&[Interval::UNIT; 2]),
+        Role::Resolution => Bounds::vector(&[Interval::new(1.0, LARGEST); 2]),
+        Role::Setting => Bounds::constant(uniform.default),
+        Role::Param { range: Some((lo, hi)), .. } => Bounds::float(Interval::new(*lo, *hi)),
+        Role::Param { color: true, .. } => Bounds::vector(&[Interval::UNIT; 3]),
+        Role::Param { .. } => match uniform.ty {
+            Type::Bool => Bounds::bool(None),
+            ty => Bounds::vector(&[Interval::new(-LARGEST, LARGEST); 3][..ty.size()]),
+        },
+    }
+}
+
+/// Where the globals of a program lie for these uniforms.
+pub fn bounds_of_globals(program: &Program, uniforms: &[Bounds]) -> Vec<Bounds> {
+    match program.frame {
+        Some(frame) => bounds(program, program.function(frame), &[], uniforms, &[]),
+        None => Vec::new(),
+    }
+}

@@ -1,0 +1,235 @@
+//! What a walk over a function wants to know beforehand: which nodes count, where arguments go, and what lies beside
+//! the nodes.
+
+use super::rotation::Angle;
+use super::seam;
+use crate::copy::live;
+use crate::program::{Function, Node, RegionId, Rotation, Ternary, Type, Value};
+use rustc_hash::FxHashMap;
+
+/// What a walk over a function wants to know beforehand.
+pub(crate) struct Plan {
+    /// For each region the nodes to evaluate.
+    bodies: Vec<Vec<Value>>,
+    /// For each region the nodes that stand for its arguments.
+    arguments: Vec<Vec<(u16, Value)>>,
+    /// For each node where in `beside` more is known of it, if anything.
+    index: Vec<u32>,
+    beside: Vec<Beside>,
+}
+
+/// What is known of a node besides its operation.
+#[derive(Default)]
+struct Beside {
+    rotation: Option<Rotation>,
+    pair: Option<(Value, usize)>,
+    seams: Option<Vec<[Value; 2]>>,
+}
+
+const NOTHING: u32 = u32::MAX;
+
+impl Plan {
+    /// That of a finished function.
+    pub fn new(function: &Function) -> Plan {
+        let pairs = pairs(function);
+        let live = live_with_rotations(function, &pairs);
+        let mut plan = Plan {
+            bodies: Vec::new(),
+            arguments: vec![Vec::new(); function.region_count()],
+            index: vec![NOTHING; function.node_count()],
+            beside: Vec::new(),
+        };
+        for i in 0..function.region_count() {
+            let body = &function.region(RegionId(i as u32)).body;
+            plan.bodies.push(body.iter().copied().filter(|v| live[v.0 as usize]).collect());
+        }
+        for i in 0..function.node_count() {
+            let value = Value(i as u32);
+            if let Node::Argument(region, index) = function.node(value) {
+                plan.arguments[region.0 as usize].push((index, value));
+            }
+        }
+        let mut is_there = vec![false; function.node_count()];
+        for (i, there) in is_there.iter_mut().enumerate() {
+            *there = match function.node(Value(i as u32)) {
+                Node::Float(_) | Node::Bool(_) | Node::Uniform(_) | Node::Global(_) => true,
+                Node::Argument(region, _) => region == RegionId::ROOT,
+                _ => false,
+            };
+        }
+        plan.look_beside(function, RegionId::ROOT, &pairs, &mut is_there);
+        plan
+    }
+
+    /// That of a function that is still being built, as far as it is: every node counts.
+    pub fn growing() -> Plan {
+        Plan { bodies: Vec::new(), arguments: Vec::new(), index: Vec::new(), beside: Vec::new() }
+    }
+
+    /// Takes in what has been added to the function since.
+    pub fn grow(&mut self, function: &Function) {
+        self.bodies.clear();
+        self.arguments = vec![Vec::new(); function.region_count()];
+        for i in 0..function.region_count() {
+            self.bodies.push(function.region(RegionId(i as u32)).body.clone());
+        }
+        for i in 0..function.node_count() {
+            if let Node::Argument(region, index) = function.node(Value(i as u32)) {
+                self.arguments[region.0 as usize].push((index, Value(i as u32)));
+            }
+        }
+        self.index.resize(function.node_count(), NOTHING);
+    }
+
+    /// The nodes of a region to evaluate, in order.
+    pub fn body(&self, region: RegionId) -> &[Value] {
+        &self.bodies[region.0 as usize]
+    }
+
+    /// The indices of a region's arguments that are read, and the nodes that stand for them.
+    pub fn arguments(&self, region: RegionId) -> &[(u16, Value)] {
+        &self.arguments[region.0 as usize]
+    }
+
+    /// The rotation that the value is the image of.
+    pub fn rotation(&self, value: Value) -> Option<&Rotation> {
+        self.at(value)?.rotation.as_ref()
+    }
+
+    /// The vec3 that a vec2 is those components of that are not component `i`, and i.
+    pub fn pair(&self, value: Value) -> Option<(Value, usize)> {
+        self.at(value)?.pair
+    }
+
+    /// The pairs of values which are equal where a choice changes sides, if both sides agree there.
+    pub fn seams(&self, value: Value) -> Option<&[[Value; 2]]> {
+        self.at(value)?.seams.as_deref()
+    }
+
+    fn at(&self, value: Value) -> Option<&Beside> {
+        self.beside.get(self.index[value.0 as usize] as usize)
+    }
+
+    /// Finds what is known of the nodes of a region. `is_there` says what has been evaluated before a node.
+    fn look_beside(
+        &mut self,
+        function: &Function,
+        region: RegionId,
+        pairs: &FxHashMap<Value, (Value, usize)>,
+        is_there: &mut [bool],
+    ) {
+        let arguments: Vec<Value> = self.arguments[region.0 as usize].iter().map(|(_, v)| *v).collect();
+        for argument in &arguments {
+            is_there[argument.0 as usize] = true;
+        }
+        let body = self.bodies[region.0 as usize].clone();
+        for value in &body {
+            for owned in function.owned_regions(*value) {
+                self.look_beside(function, owned, pairs, is_there);
+            }
+            let beside = Beside {
+                rotation: function.rotation_of(*value).and_then(|it| as_far_as_there(it, is_there)),
+                pair: pairs.get(value).copied().filter(|(whole, _)| is_there[whole.0 as usize]),
+                seams: match function.node(*value) {
+                    Node::Ternary(Ternary::Select, ..) | Node::If(..) => seam::seams(function, *value),
+                    _ => None,
+                },
+            };
+            if beside.rotation.is_some() || beside.pair.is_some() || beside.seams.is_some() {
+                self.index[value.0 as usize] = self.beside.len() as u32;
+                self.beside.push(beside);
+            }
+            is_there[value.0 as usize] = true;
+        }
+        if region != RegionId::ROOT {
+            for value in body.iter().chain(&arguments) {
+                is_there[value.0 as usize] = false;
+            }
+        }
+    }
+}
+
+/// The rotation, as far as it speaks of what has been evaluated.
+fn as_far_as_there(it: &Rotation, is_there: &[bool]) -> Option<Rotation> {
+    let there = |v: Value| is_there[v.0 as usize];
+    there(it.vector).then(|| Rotation {
+        axis: it.axis.filter(|axis| there(*axis)),
+        angle: match it.angle {
+            Angle::Of(angle) if !there(angle) => Angle::Unknown,
+            angle => angle,
+        },
+        ..*it
+    })
+}
+
+/// Which vec2s are two components of one vec3, and of which: of a vector, or of the image of a rotation that was
+/// put together from its components.
+fn pairs(function: &Function) -> FxHashMap<Value, (Value, usize)> {
+    let mut images: FxHashMap<[Value; 2], (Value, usize)> = FxHashMap::default();
+    for rotation in function.rotations() {
+        if let Node::Compose3(x, y, z) = function.node(rotation.image) {
+            let parts = [x, y, z];
+            for i in 0..3 {
+                let (u, v) = (parts[(i + 1) % 3], parts[(i + 2) % 3]);
+                for pair in [[u, v], [v, u]] {
+                    images.entry(pair).or_insert((rotation.image, i));
+                }
+            }
+        }
+    }
+    let mut pairs = FxHashMap::default();
+    for i in 0..function.node_count() {
+        let value = Value(i as u32);
+        let Node::Compose2(x, y) = function.node(value) else { continue };
+        match (function.node(x), function.node(y)) {
+            (Node::Component(v, i), Node::Component(w, j))
+                if v == w && i != j && function.type_of(v) == Some(Type::Vec3) =>
+            {
+                pairs.insert(value, (v, 3 - usize::from(i) - usize::from(j)));
+            }
+            _ => {
+                if let Some(pair) = images.get(&[x, y]) {
+                    pairs.insert(value, *pair);
+                }
+            }
+        }
+    }
+    pairs
+}
+
+/// What the results depend on, and what says more about that: the operands of rotations, and the images whose pairs
+/// are read.
+fn live_with_rotations(function: &Function, pairs: &FxHashMap<Value, (Value, usize)>) -> Vec<bool> {
+    let mut live = live(function);
+    let mut in_order: Vec<(&Value, &(Value, usize))> = pairs.iter().collect();
+    in_order.sort();
+    for (pair, (whole, _)) in in_order {
+        if live[pair.0 as usize] {
+            keep(function, &mut live, *whole);
+        }
+    }
+    // An image stands behind its vector, so that chains are found from their ends.
+    for rotation in function.rotations().iter().rev() {
+        if live[rotation.image.0 as usize] {
+            keep(function, &mut live, rotation.vector);
+            rotation.axis.iter().for_each(|axis| keep(function, &mut live, *axis));
+            if let Angle::Of(angle) = rotation.angle {
+                keep(function, &mut live, angle);
+            }
+        }
+    }
+    live
+}
+
+fn keep(function: &Function, live: &mut [bool], value: Value) {
+    let mut open = vec![value];
+    while let Some(value) = open.pop() {
+        if std::mem::replace(&mut live[value.0 as usize], true) {
+            continue;
+        }
+        function.operands(value, |operand| open.push(operand));
+        for region in function.owned_regions(value) {
+            open.extend(&function.region(region).results);
+        }
+    }
+}

@@ -1,0 +1,472 @@
+//! The walk over a function, node by node, in any domain of abstract values.
+//!
+//! Where a condition is not decided both sides are walked and joined; a loop is unrolled for as long as it may go on.
+
+use super::bounds::Bounds;
+use super::chain;
+use super::number::{product_up, sum_up};
+use super::operations;
+use super::plan::Plan;
+use super::rotation::{self, Angle, Turn};
+use super::slopes::{Sloped, Slopes};
+use crate::constant::Constant;
+use crate::program::{
+    Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
+};
+use std::rc::Rc;
+
+/// How many rounds of loops one walk goes through before it says that a loop may yield anything.
+const ROUNDS: u32 = 4096;
+
+/// What a walk computes of each value: where it lies, or also how it moves.
+pub trait Domain: Copy {
+    /// A value that does not depend on the point.
+    fn steady(bounds: &Bounds) -> Self;
+    /// Where it lies.
+    fn bounds(&self) -> &Bounds;
+    /// One value alone.
+    fn constant(c: Constant) -> Self;
+    /// A value of which nothing is known.
+    fn anything(ty: Type) -> Self;
+    /// An operation on one value.
+    fn unary(op: Unary, a: &Self) -> Self;
+    /// An operation on two values; `same` says that they are one and the same.
+    fn binary(op: Binary, a: &Self, b: &Self, same: bool) -> Self;
+    /// `a*(1-t) + b*t`
+    fn mix(a: &Self, b: &Self, t: &Self) -> Self;
+    /// The vector of floats.
+    fn compose(parts: &[&Self]) -> Self;
+    /// A component of a vector.
+    fn component(a: &Self, i: usize) -> Self;
+    /// A vec2 that is those components of a vec3 that are not component `i`.
+    fn pair_of(self, whole: &Self, i: usize) -> Self;
+    /// What it is when it is also the same as another value.
+    fn also(self, other: &Self) -> Self;
+    /// The image of a rotation.
+    fn turned(self, turn: &Turn<Self>) -> Self;
+    /// One of two values, by an undecided condition. `is_continuous` says that they agree where that changes.
+    fn either(condition: &Self, a: &Self, b: &Self, is_continuous: bool) -> Self;
+    /// Whether the value certainly does not jump.
+    fn is_continuous(&self) -> bool;
+    /// Where the promise of a function makes a second look at its results worth while: the slopes that it promises
+    /// for these arguments, and the arguments of the second look. See [`Function::lipschitz`].
+    fn promised(function: &Function, lipschitz: f64, arguments: &[Self]) -> Option<Promised<Self>>;
+    /// A result of a function that promises to move by at most this.
+    fn with_norm(self, norm: f64) -> Self;
+    /// How far it moves with the point: a Lipschitz constant.
+    fn norm(&self) -> f64;
+}
+
+/// What a function's promise says at a call.
+pub struct Promised<D> {
+    /// By how much the results move with the arguments that the promise is about.
+    pub norm: f64,
+    /// The arguments without those movements, where others move too.
+    pub rest: Option<Vec<D>>,
+}
+
+impl Domain for Bounds {
+    fn steady(bounds: &Bounds) -> Bounds {
+        *bounds
+    }
+
+    fn bounds(&self) -> &Bounds {
+        self
+    }
+
+    fn constant(c: Constant) -> Bounds {
+        Bounds::constant(c)
+    }
+
+    fn anything(ty: Type) -> Bounds {
+        Bounds::anything(ty)
+    }
+
+    fn unary(op: Unary, a: &Bounds) -> Bounds {
+        operations::unary(op, a)
+    }
+
+    fn binary(op: Binary, a: &Bounds, b: &Bounds, same: bool) -> Bounds {
+        operations::binary(op, a, b, same)
+    }
+
+    fn mix(a: &Bounds, b: &Bounds, t: &Bounds) -> Bounds {
+        operations::mix(a, b, t)
+    }
+
+    fn compose(parts: &[&Bounds]) -> Bounds {
+        operations::compose(parts)
+    }
+
+    fn component(a: &Bounds, i: usize) -> Bounds {
+        Bounds::float(a.part(i))
+    }
+
+    fn pair_of(self, whole: &Bounds, i: usize) -> Bounds {
+        self.with_length(whole.across(i))
+    }
+
+    fn also(self, other: &Bounds) -> Bounds {
+        self.intersect(other)
+    }
+
+    fn turned(self, turn: &Turn<Bounds>) -> Bounds {
+        rotation::bounds(self, turn.vector, turn.axis)
+    }
+
+    fn either(_: &Bounds, a: &Bounds, b: &Bounds, _: bool) -> Bounds {
+        a.hull(b)
+    }
+
+    fn is_continuous(&self) -> bool {
+        true
+    }
+
+    fn promised(_: &Function, _: f64, _: &[Bounds]) -> Option<Promised<Bounds>> {
+        None
+    }
+
+    fn with_norm(self, _: f64) -> Bounds {
+        self
+    }
+
+    fn norm(&self) -> f64 {
+        0.0
+    }
+}
+
+impl Domain for Sloped {
+    fn steady(bounds: &Bounds) -> Sloped {
+        Sloped::steady(*bounds)
+    }
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn constant(c: Constant) -> Sloped {
+        Sloped::constant(c)
+    }
+
+    fn anything(ty: Type) -> Sloped {
+        Sloped::anything(ty)
+    }
+
+    fn unary(op: Unary, a: &Sloped) -> Sloped {
+        chain::unary(op, a)
+    }
+
+    fn binary(op: Binary, a: &Sloped, b: &Sloped, same: bool) -> Sloped {
+        chain::binary(op, a, b, same)
+    }
+
+    fn mix(a: &Sloped, b: &Sloped, t: &Sloped) -> Sloped {
+        chain::mix(a, b, t)
+    }
+
+    fn compose(parts: &[&Sloped]) -> Sloped {
+        chain::compose(parts)
+    }
+
+    fn component(a: &Sloped, i: usize) -> Sloped {
+        chain::component(a, i)
+    }
+
+    fn pair_of(self, whole: &Sloped, i: usize) -> Sloped {
+        let slopes = self
+            .slopes
+            .with_norm(2, whole.norm())
+            .with_lengths(whole.slopes.of_across(i), [f64::INFINITY; 3]);
+        Sloped::new(self.bounds.pair_of(&whole.bounds, i), slopes)
+    }
+
+    fn also(self, other: &Sloped) -> Sloped {
+        let slopes = if other.norm() < self.norm() { other.slopes } else { self.slopes };
+        Sloped::new(self.bounds.intersect(&other.bounds), slopes)
+    }
+
+    fn turned(self, turn: &Turn<Sloped>) -> Sloped {
+        rotation::slopes(&self, turn)
+    }
+
+    fn either(condition: &Sloped, a: &Sloped, b: &Sloped, is_continuous: bool) -> Sloped {
+        let slopes = if is_continuous || condition.is_steady() {
+            a.slopes.either(&b.slopes)
+        } else {
+            Slopes::within(f64::INFINITY)
+        };
+        Sloped::new(a.bounds.hull(&b.bounds), slopes)
+    }
+
+    fn is_continuous(&self) -> bool {
+        self.norm() < f64::INFINITY
+    }
+
+    fn promised(function: &Function, lipschitz: f64, arguments: &[Sloped]) -> Option<Promised<Sloped>> {
+        // Without a point among the parameters the promise is about all of them.
+        let about_all = function.parameters.iter().all(|parameter| !parameter.point);
+        let is_meant = |i: usize| about_all || function.parameters[i].point;
+        let meant = arguments.iter().enumerate().filter(|(i, _)| is_meant(*i)).map(|(_, argument)| argument);
+        let norm = product_up(lipschitz, Sloped::stacked_norm(meant));
+        let others_move =
+            arguments.iter().enumerate().any(|(i, argument)| !is_meant(i) && !argument.is_steady());
+        let rest = others_move.then(|| {
+            let still = |(i, argument): (usize, &Sloped)| {
+                if is_meant(i) { Sloped::steady(argument.bounds) } else { *argument }
+            };
+            arguments.iter().enumerate().map(still).collect()
+        });
+        Some(Promised { norm, rest })
+    }
+
+    fn with_norm(self, norm: f64) -> Sloped {
+        Sloped::new(self.bounds, self.slopes.with_norm(self.bounds.size(), norm))
+    }
+
+    fn norm(&self) -> f64 {
+        self.slopes.norm()
+    }
+}
+
+/// The values of one function's nodes, by their index.
+pub(crate) struct Frame<D> {
+    pub plan: Rc<Plan>,
+    pub values: Vec<D>,
+}
+
+/// The walk: the frames of all functions that have been called, and what functions read besides their arguments.
+pub(crate) struct Walk<D> {
+    frames: Vec<Option<Frame<D>>>,
+    pub uniforms: Vec<D>,
+    pub globals: Vec<D>,
+    rounds: u32,
+}
+
+impl<D: Domain> Walk<D> {
+    pub fn new(uniforms: Vec<D>, globals: Vec<D>) -> Walk<D> {
+        Walk { frames: Vec::new(), uniforms, globals, rounds: 0 }
+    }
+
+    /// A frame in which the leaves of the function have their values.
+    pub fn frame(&self, function: &Function, plan: Plan) -> Frame<D> {
+        let nothing = D::constant(Constant::Float(0.0));
+        let mut frame = Frame { plan: Rc::new(plan), values: vec![nothing; function.node_count()] };
+        self.read_leaves(function, &mut frame, 0);
+        frame
+    }
+
+    /// Sets the leaves among the nodes from `start` on.
+    pub fn read_leaves(&self, function: &Function, frame: &mut Frame<D>, start: usize) {
+        for i in start..function.node_count() {
+            frame.values[i] = match function.node(Value(i as u32)) {
+                Node::Float(bits) => D::constant(Constant::Float(f64::from_bits(bits))),
+                Node::Bool(x) => D::constant(Constant::Bool(x)),
+                Node::Uniform(index) if (index as usize) < self.uniforms.len() => {
+                    self.uniforms[index as usize]
+                }
+                Node::Global(index) if (index as usize) < self.globals.len() => self.globals[index as usize],
+                _ => match function.type_of(Value(i as u32)) {
+                    Some(ty) => D::anything(ty),
+                    None => continue,
+                },
+            };
+        }
+    }
+
+    /// Begins a walk that may go through as many rounds of loops as any.
+    pub fn begin(&mut self) {
+        self.rounds = 0;
+    }
+
+    /// Evaluates a region of a function for these arguments; its results are in the frame then.
+    pub fn region(
+        &mut self,
+        program: &Program,
+        function: &Function,
+        frame: &mut Frame<D>,
+        id: RegionId,
+        arguments: &[D],
+    ) {
+        let plan = frame.plan.clone();
+        for (index, value) in plan.arguments(id) {
+            frame.values[value.0 as usize] = arguments[*index as usize];
+        }
+        for value in plan.body(id) {
+            self.node(program, function, frame, *value);
+        }
+    }
+
+    fn call(&mut self, program: &Program, id: FunctionId, arguments: &[D]) -> Vec<D> {
+        let index = id.0 as usize;
+        if self.frames.len() <= index {
+            self.frames.resize_with(program.functions.len().max(index + 1), || None);
+        }
+        let function = program.function(id);
+        let mut frame = match self.frames[index].take() {
+            Some(frame) => frame,
+            None => self.frame(function, Plan::new(function)),
+        };
+        self.region(program, function, &mut frame, RegionId::ROOT, arguments);
+        let mut results = read(&frame, &function.root().results);
+        if let Some(lipschitz) = function.lipschitz()
+            && let Some(promised) = D::promised(function, lipschitz, arguments)
+        {
+            let mut rest = vec![0.0; results.len()];
+            if let Some(arguments) = promised.rest {
+                self.region(program, function, &mut frame, RegionId::ROOT, &arguments);
+                rest = read(&frame, &function.root().results).iter().map(D::norm).collect();
+            }
+            for (result, rest) in results.iter_mut().zip(rest) {
+                *result = result.with_norm(sum_up(promised.norm, rest));
+            }
+        }
+        self.frames[index] = Some(frame);
+        results
+    }
+
+    /// Evaluates a node, all of whose operands have been.
+    pub fn node(&mut self, program: &Program, function: &Function, frame: &mut Frame<D>, value: Value) {
+        let at = |v: Value| &frame.values[v.0 as usize];
+        let computed = match function.node(value) {
+            Node::Unary(op, a) => {
+                let computed = D::unary(op, at(a));
+                match function.node(a) {
+                    // The root of a dot with itself is the length.
+                    Node::Binary(Binary::Dot, x, y) if op == Unary::Sqrt && x == y => {
+                        computed.also(&D::unary(Unary::Length, at(x)))
+                    }
+                    _ => computed,
+                }
+            }
+            Node::Binary(op, a, b) => {
+                let computed = D::binary(op, at(a), at(b), a == b);
+                match (op, frame.plan.rotation(a)) {
+                    // What lies along the axis stays.
+                    (Binary::Dot, Some(turn)) if turn.axis == Some(b) => {
+                        computed.also(&D::binary(op, at(turn.vector), at(b), false))
+                    }
+                    _ => computed,
+                }
+            }
+            Node::Ternary(Ternary::Mix, a, b, t) => D::mix(at(a), at(b), at(t)),
+            Node::Ternary(Ternary::Select, c, a, b) => match at(c).bounds().decided() {
+                Some(true) => *at(a),
+                Some(false) => *at(b),
+                None => D::either(at(c), at(a), at(b), is_seamless(frame, value)),
+            },
+            Node::Compose2(x, y) => {
+                let pair = D::compose(&[at(x), at(y)]);
+                match frame.plan.pair(value) {
+                    Some((whole, i)) => pair.pair_of(at(whole), i),
+                    None => pair,
+                }
+            }
+            Node::Compose3(x, y, z) => D::compose(&[at(x), at(y), at(z)]),
+            Node::Component(a, index) => D::component(at(a), index as usize),
+            Node::Result(tuple, index) => *at(Value(tuple.0 + 1 + u32::from(index))),
+            Node::Call(callee, list) => {
+                let arguments = read(frame, function.list(list));
+                let results = self.call(program, callee, &arguments);
+                return write(function, frame, value, &results);
+            }
+            Node::If(condition, then, otherwise) => {
+                return self.branch(program, function, frame, (value, condition, then, otherwise));
+            }
+            Node::Loop(it) => return self.repeat(program, function, frame, value, it),
+            Node::Float(_) | Node::Bool(_) | Node::Argument(..) | Node::Uniform(_) | Node::Global(_) => {
+                return;
+            }
+        };
+        let computed = match frame.plan.rotation(value) {
+            None => computed,
+            Some(turn) => computed.turned(&Turn {
+                vector: at(turn.vector),
+                axis: turn.axis.map(at),
+                angle: match turn.angle {
+                    Angle::Of(angle) => Angle::Of(at(angle)),
+                    Angle::Steady => Angle::Steady,
+                    Angle::Unknown => Angle::Unknown,
+                },
+            }),
+        };
+        frame.values[value.0 as usize] = computed;
+    }
+
+    fn branch(
+        &mut self,
+        program: &Program,
+        function: &Function,
+        frame: &mut Frame<D>,
+        (value, condition, then, otherwise): (Value, Value, RegionId, RegionId),
+    ) {
+        let condition = frame.values[condition.0 as usize];
+        let mut side = |id: RegionId, frame: &mut Frame<D>| {
+            self.region(program, function, frame, id, &[]);
+            read(frame, &function.region(id).results)
+        };
+        let results = match condition.bounds().decided() {
+            Some(true) => side(then, frame),
+            Some(false) => side(otherwise, frame),
+            None => {
+                let (left, right) = (side(then, frame), side(otherwise, frame));
+                let is_seamless = is_seamless(frame, value);
+                left.iter().zip(&right).map(|(a, b)| D::either(&condition, a, b, is_seamless)).collect()
+            }
+        };
+        write(function, frame, value, &results);
+    }
+
+    fn repeat(
+        &mut self,
+        program: &Program,
+        function: &Function,
+        frame: &mut Frame<D>,
+        value: Value,
+        it: Loop,
+    ) {
+        let mut state = read(frame, function.list(it.initial));
+        // The states with which the loop may have been left, and the conditions for that.
+        let mut exits: Vec<(D, Vec<D>)> = Vec::new();
+        let mut arguments = Vec::with_capacity(state.len() + 1);
+        for round in 0..it.count {
+            self.region(program, function, frame, it.until, &state);
+            let stop = frame.values[function.region(it.until).results[0].0 as usize];
+            match stop.bounds().decided() {
+                Some(true) => break,
+                Some(false) => {}
+                None => exits.push((stop, state.clone())),
+            }
+            self.rounds += 1;
+            if self.rounds > ROUNDS {
+                state = function.types_of(value).into_iter().map(D::anything).collect();
+                break;
+            }
+            arguments.clear();
+            arguments.push(D::constant(Constant::Float(f64::from(round))));
+            arguments.extend(&state);
+            self.region(program, function, frame, it.next, &arguments);
+            state = read(frame, &function.region(it.next).results);
+        }
+        for (stop, exit) in exits.iter().rev() {
+            state = exit.iter().zip(&state).map(|(a, b)| D::either(stop, a, b, false)).collect();
+        }
+        write(function, frame, value, &state);
+    }
+}
+
+/// Whether the two sides of a choice certainly go over into each other, here.
+fn is_seamless<D: Domain>(frame: &Frame<D>, value: Value) -> bool {
+    let Some(seams) = frame.plan.seams(value) else { return false };
+    seams.iter().all(|pair| pair.iter().all(|v| frame.values[v.0 as usize].is_continuous()))
+}
+
+/// The values of a list.
+fn read<D: Domain>(frame: &Frame<D>, values: &[Value]) -> Vec<D> {
+    values.iter().map(|value| frame.values[value.0 as usize]).collect()
+}
+
+/// Stores what a node yields: one value, or the parts of a tuple, which stand directly behind it.
+fn write<D: Domain>(function: &Function, frame: &mut Frame<D>, value: Value, results: &[D]) {
+    let first = value.0 as usize + usize::from(function.type_of(value).is_none());
+    frame.values[first..first + results.len()].copy_from_slice(results);
+}

@@ -1,0 +1,6 @@
+//! Intervals, bounds and slopes hold what they say.
+
+mod answers;
+mod operations;
+mod programs;
+mod random;

@@ -20,7 +20,9 @@ pub struct Field {
 impl Field {
     /// That of a source, at time 0.7 and with its params at their defaults.
     pub fn of(name: &str, text: &str) -> Field {
-        let scene = scene(name, &still(text), &Options::default());
+        // A field that jumps on purpose states a slope that it has between its jumps.
+        let options = Options { attack: Some(0), ..Options::default() };
+        let scene = scene(name, &still(text), &options);
         let map = scene.map.unwrap_or_else(|| panic!("{name} has no field"));
         let mut program = Program { entry: Some(map), ..scene.program };
         let gradient = sdf_ir::gradient(&mut program, map);
@@ -34,7 +36,7 @@ impl Field {
 
     /// That of an expression that is a shape.
     pub fn of_expression(expression: &str) -> Field {
-        let text = format!("let subject = {expression}\nscene {{ subject }}\n");
+        let text = format!("@lipschitz(1)\nlet subject = {expression}\nscene {{ subject }}\n");
         Field::of(expression, &text)
     }
 }

@@ -3,11 +3,10 @@
 
 use sdf_emit::KernelLanguage;
 use sdf_ir::Program;
-use sdf_lang::Options;
-use sdf_syntax::tree::ItemKind;
 use sdf_tests::fields::{
     Field, Spread, by_duals, entry, nasty_points, on_hardware, points, run, spread, wide,
 };
+use sdf_tests::library::{CALLS, library};
 use sdf_tests::run::{lavapipe, on_device};
 use sdf_tests::scenes::examples;
 use std::collections::BTreeMap;
@@ -21,162 +20,6 @@ const DRIVER: f64 = 4.0;
 const ROUNDING: f64 = 64.0;
 /// The largest share of points at creases and jumps, where less can be said.
 const STEEP: f64 = 0.004;
-
-/// Calls of each function of the library, at least as many as it has forms. Children stand off the centre and have
-/// no symmetry, which could hide a mistake.
-const CALLS: &[(&str, &[&str])] = &[
-    // shapes.sdf
-    ("sphere", &["sphere(0.7)"]),
-    ("box", &["box((0.5, 0.8, 0.3))"]),
-    ("round_box", &["round_box((0.5, 0.8, 0.3), 0.1)"]),
-    ("torus", &["torus(1, 0.3)"]),
-    ("plane", &["plane()", "plane((1, 2, -0.5), 0.3)"]),
-    ("cylinder", &["cylinder(0.6, 1.2)"]),
-    ("capsule", &["capsule((-0.5, 0.1, 0.3), (0.9, 1.2, -0.4), 0.25)"]),
-    ("cone", &["cone(0.8, 1.1)"]),
-    ("ellipsoid", &["ellipsoid((0.5, 1.1, 0.8))"]),
-    ("octahedron", &["octahedron(1.2)"]),
-    ("nothing", &["nothing() | sphere(0.5).at(0.2, 0.1, 0.4)"]),
-    // plane.sdf
-    ("circle", &["field { circle(0.7)(p.xy) }"]),
-    ("rect", &["field { rect((0.5, 0.9))(p.xy) }"]),
-    ("polygon", &["field { polygon([(-1, -0.5), (1.2, -0.7), (0.3, 0.2), (0.4, 1.1)])(p.xy) }"]),
-    ("extrude", &["rect((0.5, 0.9)).at(0.3, 0.1).extrude(0.4)"]),
-    ("revolve", &["rect((0.3, 0.5)).at(0.1, 0.2).revolve(0.9)"]),
-    // combine.sdf
-    (
-        "union",
-        &[
-            "union(sphere(0.5), box((0.5, 0.3, 0.4)).at(0.6, 0.2, -0.1))",
-            "field { union(circle(0.6), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
-        ],
-    ),
-    (
-        "intersection",
-        &[
-            "intersection(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1))",
-            "field { intersection(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
-        ],
-    ),
-    (
-        "difference",
-        &[
-            "difference(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), sphere(0.3).at(0, 0.8, 0.1))",
-            "field { difference(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
-        ],
-    ),
-    ("complement", &["!sphere(0.8).at(0.1, 0.2, 0.3)", "field { (!circle(0.8).at(0.1, 0.2))(p.xy) }"]),
-    (
-        "xor",
-        &[
-            "xor(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1))",
-            "field { xor(circle(0.9), rect((0.5, 0.3)).at(0.6, 0.2))(p.xy) }",
-        ],
-    ),
-    (
-        "smin",
-        &[
-            "smin(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.9, 0.2, -0.1), sphere(0.4).at(0, 1, 0.2), k: 0.3)",
-            "smin(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.9, 0.2, -0.1), k: 0)",
-            "field { smin(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
-            "field { smin(p.x, p.y * 0.5 + 0.2, 0.3) }",
-        ],
-    ),
-    (
-        "smax",
-        &[
-            "smax(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), k: 0.3)",
-            "field { smax(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
-            "field { smax(p.x, p.y * 0.5 + 0.2, 0.3) }",
-        ],
-    ),
-    ("blend", &["field { blend(p.x, p.y * 0.5 + 0.2, 0.5, 0.5) }"]),
-    (
-        "sdiff",
-        &[
-            "sdiff(sphere(0.8), box((0.5, 0.3, 0.4)).at(0.4, 0.2, -0.1), k: 0.3)",
-            "field { sdiff(circle(0.9), rect((0.5, 0.3)).at(0.9, 0.2), k: 0.4)(p.xy) }",
-        ],
-    ),
-    // operate.sdf
-    (
-        "round",
-        &["box((0.5, 0.8, 0.3)).at(0.1, 0.2, 0).round(0.2)", "field { rect((0.5, 0.8)).round(0.2)(p.xy) }"],
-    ),
-    (
-        "shell",
-        &["box((0.5, 0.8, 0.3)).at(0.1, 0.2, 0).shell(0.2)", "field { rect((0.5, 0.8)).shell(0.2)(p.xy) }"],
-    ),
-    ("elongate", &["sphere(0.5).at(0.1, 0, 0.2).elongate((0.3, 0.6, 0))"]),
-    ("displace", &["sphere(1).at(0.1, 0, 0.2).displace(|p| 0.1 * sin(3 * p.x) * sin(4 * p.y))"]),
-    ("at", &["sphere(1).at(0.1, 0.7, -0.2)", "field { circle(1).at(0.1, 0.7)(p.xy) }"]),
-    (
-        "rotate",
-        &[
-            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate((1, 2, 3), 40deg)",
-            "field { rect((0.5, 0.3)).at(0.3, 0.2).rotate(40deg)(p.xy) }",
-            "field { rotate(p, (1, 2, 3), p.x).y }",
-            "field { rotate(p.xy, p.z).y }",
-        ],
-    ),
-    ("turn", &["field { turn(p, (0, 0.6, 0.8), 0.6, 0.8).z }"]),
-    ("rotate_x", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_x(40deg)"]),
-    ("rotate_y", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_y(40deg)"]),
-    ("rotate_z", &["box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).rotate_z(40deg)"]),
-    (
-        "scale",
-        &[
-            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).scale(1.7)",
-            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).scale((1.7, 0.6, 1.1))",
-            "field { rect((0.5, 0.3)).at(0.3, 0.2).scale(1.7)(p.xy) }",
-        ],
-    ),
-    (
-        "mirror",
-        &[
-            "box((0.5, 0.3, 0.4)).at(0.3, 0.2, -0.1).mirror((1, 2, 0), 0.1)",
-            "field { rect((0.5, 0.3)).at(0.3, 0.2).mirror((1, 2), 0.1)(p.xy) }",
-        ],
-    ),
-    ("twist_slope", &["field { twist_slope(1.3, length(p.xz)) - 1.2 }"]),
-    ("twist", &["box((0.5, 0.9, 0.2)).at(0.3, 0.2, -0.1).twist(1.1)"]),
-    ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }", "field { sum(cells(p.x, false)) + p.y }"]),
-    (
-        "repeat",
-        &[
-            "box((0.2, 0.3, 0.1)).at(0.1, 0.2, -0.1).repeat(x: 1.3, z: 0.9)",
-            "field { rect((0.2, 0.3)).at(0.1, 0.1).repeat(x: 1.3, y: 1.1)(p.xy) }",
-        ],
-    ),
-    // color.sdf
-    ("checker", &["field { checker(p.xz, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4), 0.7).y }"]),
-    ("stripes", &["field { stripes(p.x, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4), 0.7).y }"]),
-    ("gradient", &["field { gradient(p.x, (0.1, 0.2, 0.3), (0.9, 0.7, 0.4)).y }"]),
-    ("fade", &["field { fade(fract(p.x)) }", "field { fade(fract(p.xy)).y }", "field { fade(fract(p)).z }"]),
-    (
-        "corner",
-        &["field { corner(2, p.x) }", "field { corner((1, 2), p.xy) }", "field { corner((1, 2, 3), p) }"],
-    ),
-    ("noise", &["field { noise(p.x) }", "field { noise(p.xy) }", "field { noise(p) }"]),
-];
-
-/// How many functions of each name the library has.
-fn library() -> BTreeMap<String, usize> {
-    let compilation = sdf_lang::compile("", "scene { sphere(1) }", &Options::default());
-    let mut names = BTreeMap::new();
-    for id in (0..).map(sdf_syntax::FileId) {
-        let Some(source) = compilation.sources.get(id) else { break };
-        if source.name.starts_with("<std/") {
-            let (tree, _) = sdf_syntax::parse(id, &source.text);
-            for item in &tree.items {
-                if let ItemKind::Fn(function) = &item.kind {
-                    *names.entry(function.name.text.to_string()).or_default() += 1;
-                }
-            }
-        }
-    }
-    names
-}
 
 #[test]
 fn every_function_of_the_library_is_called() {

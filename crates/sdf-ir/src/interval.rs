@@ -27,7 +27,7 @@ pub use slopes::{Sloped, Slopes};
 pub use walk::Domain;
 
 use crate::number::LARGEST;
-use crate::program::{Function, Program, RegionId, Role, Type, Uniform};
+use crate::program::{Function, Program, RegionId, Role, Type, Unary, Uniform};
 use plan::Plan;
 use walk::{Frame, Walk};
 
@@ -116,5 +116,17 @@ pub fn bounds_of_globals(program: &Program, uniforms: &[Bounds]) -> Vec<Bounds> 
     match program.frame {
         Some(frame) => bounds(program, program.function(frame), &[], uniforms, &[]),
         None => Vec::new(),
+    }
+}
+
+impl Interval {
+    /// The sines of all its numbers, in radians.
+    pub fn sin(self) -> Interval {
+        functions::unary(Unary::Sin, self)
+    }
+
+    /// The cosines of all its numbers, in radians.
+    pub fn cos(self) -> Interval {
+        functions::unary(Unary::Cos, self)
     }
 }

@@ -67,6 +67,8 @@ const VEC3: SlotKind = SlotKind::Type(TypeKind::Vec3);
 const LIST: SlotKind = SlotKind::Type(TypeKind::List);
 const FN: SlotKind = SlotKind::Type(TypeKind::Fn);
 const SHAPE: SlotKind = SlotKind::Type(TypeKind::Shape);
+const SHAPE2: SlotKind = SlotKind::Type(TypeKind::Shape2);
+const VEC2: SlotKind = SlotKind::Type(TypeKind::Vec2);
 
 /// A function of one number that is one operation.
 macro_rules! unary {
@@ -232,6 +234,7 @@ static FUNCTIONS: &[BuiltIn] = &[
             kind,
             painted: true,
             steep: shape.steep,
+            place: shape.place,
         })))
     }),
     function("gradient", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
@@ -243,6 +246,50 @@ static FUNCTIONS: &[BuiltIn] = &[
         let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;
         e.stride(shape, &point, span).map(Value::Number)
+    }),
+    BuiltIn {
+        name: "lo",
+        parameters: &[("s", SHAPE), ("level", FLOAT)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, span| e.corner_of(a, span, |extent| extent.lo),
+    },
+    BuiltIn {
+        name: "lo",
+        parameters: &[("s", SHAPE2), ("level", FLOAT)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, span| e.corner_of(a, span, |extent| extent.lo),
+    },
+    BuiltIn {
+        name: "hi",
+        parameters: &[("s", SHAPE), ("level", FLOAT)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, span| e.corner_of(a, span, |extent| extent.hi),
+    },
+    BuiltIn {
+        name: "hi",
+        parameters: &[("s", SHAPE2), ("level", FLOAT)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, span| e.corner_of(a, span, |extent| extent.hi),
+    },
+    function("reach", &[("s", SHAPE), ("axis", VEC3)], |e, a, span| e.reach_of(a, span)),
+    function("slope", &[("f", SlotKind::Any)], |e, a, span| e.slope_value(a, span)),
+    BuiltIn {
+        name: "turned",
+        parameters: &[("s", SHAPE), ("axis", VEC3), ("angle", FLOAT)],
+        variadic: false,
+        optional: 1,
+        run: |e, a, span| e.turned_box(a, span),
+    },
+    function("turned", &[("s", SHAPE2), ("angle", FLOAT)], |e, a, span| e.turned_box_in_plane(a, span)),
+    function("mirrored", &[("s", SHAPE), ("axis", VEC3), ("offset", FLOAT)], |e, a, span| {
+        e.mirrored_box(a, Type::Vec3, span)
+    }),
+    function("mirrored", &[("s", SHAPE2), ("axis", VEC2), ("offset", FLOAT)], |e, a, span| {
+        e.mirrored_box(a, Type::Vec2, span)
     }),
     function("surface", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &Column::OF_SURFACE, a, span)
@@ -266,7 +313,7 @@ fn surface<'t>(
 }
 
 /// The number that the argument at `index` is.
-fn number(arguments: &[Option<Value<'_>>], index: usize) -> Number {
+pub(crate) fn number(arguments: &[Option<Value<'_>>], index: usize) -> Number {
     match &arguments[index] {
         Some(Value::Number(n)) => n.clone(),
         _ => unreachable!("the parameter takes numbers"),

@@ -308,6 +308,10 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<Value<'t>> {
         let place = std::ptr::from_ref(function).cast::<()>();
+        if span.file == crate::USER_FILE {
+            // Its arguments have been evaluated: what happens from now on comes from the whole call.
+            self.place = span;
+        }
         self.enter(place, span, &format!("`{}`", function.name.text))?;
         let result = if self.is_outlined(function, module, &arguments) {
             match self.call_outlined(function, module, &arguments) {
@@ -337,12 +341,7 @@ impl<'t> Elaborator<'t> {
         for (name, value) in arguments {
             env = env.bind(name.clone(), value.clone());
         }
-        self.origins.push(Origin {
-            name: function.name.text.clone(),
-            module,
-            span: function.name.span,
-            function: std::ptr::from_ref(function).cast(),
-        });
+        self.origins.push(Origin { function, module });
         let result = self.eval(&function.body, &env);
         self.origins.pop();
         result
@@ -354,8 +353,10 @@ impl<'t> Elaborator<'t> {
         module: Module,
         arguments: &[(Arc<str>, Value<'t>)],
     ) -> bool {
-        // A formula whose shares are being found must be seen whole.
-        self.samples.is_none()
+        // A formula whose samples are being found must be seen whole; where it is only bounded, what samples nothing
+        // may stay a function, for the sake of what that promises.
+        let samples_nothing = || !arguments.iter().any(|(_, v)| v.traits().shapes);
+        (self.samples.is_none() || (self.facts.takes_apart && samples_nothing()))
             && outline::stays_a_function(function, module)
             && !self.not_outlined.contains(&std::ptr::from_ref(function))
             && arguments.iter().any(|(_, v)| outline::has_local_number(v))
@@ -375,6 +376,8 @@ impl<'t> Elaborator<'t> {
         let inside: Vec<_> =
             arguments.iter().map(|(name, v)| (name.clone(), self.seen_from_inside(name, v))).collect();
         let errors_before = self.diagnostics.len();
+        let promised = self.promised_slope(function, module, &inside);
+        self.contexts.builder().set_lipschitz(promised);
         let value = match self.evaluate_body(function, module, &inside) {
             Ok(value) => value,
             Err(Reported) => {

@@ -37,7 +37,13 @@ impl<'t> Elaborator<'t> {
         {
             let (dimension, painted, steep) = (a.dimension, a.painted || b.painted, a.steep || b.steep);
             let kind = ShapeKind::Choice { condition: c, then: a.clone(), otherwise: b.clone() };
-            return Ok(Value::Shape(Rc::new(Shape { dimension, kind, painted, steep })));
+            return Ok(Value::Shape(Rc::new(Shape {
+                dimension,
+                kind,
+                painted,
+                steep,
+                place: condition.span,
+            })));
         }
         let (a, b) = self.alike(a, b, then.result.span, otherwise.result.span)?;
         self.zip(&a, &b, condition.span, &mut |this, x, y| {

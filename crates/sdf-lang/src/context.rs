@@ -237,6 +237,16 @@ impl Contexts {
         self.call_of(number, point).filter(|(_, arguments)| arguments.len() == 1).map(|(id, _)| id)
     }
 
+    /// The frame function so far.
+    pub fn frame_builder(&self) -> &Builder {
+        &self.stack[0].builder
+    }
+
+    /// The nodes of the frame that are globals of the program, in order.
+    pub fn global_values(&self) -> &[sdf_ir::Value] {
+        &self.global_values
+    }
+
     /// The program so far, with a frame that computes the globals so far.
     pub fn snapshot(&self) -> Program {
         let mut program = self.program.clone();

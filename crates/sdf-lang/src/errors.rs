@@ -1,5 +1,6 @@
 //! The diagnostics of meaning: one function each. The message says what is wrong, the help what to do.
 
+use crate::facts::Broken;
 use sdf_syntax::tree::Name;
 use sdf_syntax::{Code, Diagnostic, Span};
 
@@ -215,9 +216,56 @@ pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]
     }
 }
 
-pub(crate) fn wrong_slope(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E032, span, "`@lipschitz` takes one number")
-        .help("state the largest slope of the field, for example `@lipschitz(2)`")
+/// A promise that does not hold, at the attribute that makes it.
+pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
+    let point = |p: &[f64; 3]| format!("({}, {}, {})", short(p[0]), short(p[1]), short(p[2]));
+    let (message, help) = match broken {
+        Broken::Slope { a, b, slope, promised } => (
+            format!(
+                "the slope of this field is {} between {} and {}, not at most {}",
+                short(*slope),
+                point(a),
+                point(b),
+                short(*promised)
+            ),
+            format!(
+                "state what it is at most, for example `@lipschitz({})`",
+                short((slope * 11.0).ceil() / 10.0)
+            ),
+        ),
+        Broken::Bounds { at } => (
+            format!("the shape has a point outside of this box, at {}", point(at)),
+            "state a larger box, or none: it is found then".to_string(),
+        ),
+        Broken::Exact { at, distance, left } => (
+            format!(
+                "this field is not the distance: at {} it is {}, and {} where the surface should be",
+                point(at),
+                short(*distance),
+                short(*left)
+            ),
+            "state `@bound` if it is never more than the distance".to_string(),
+        ),
+    };
+    Diagnostic::new(Code::E053, span, message).label("does not hold").help(help)
+}
+
+/// A number with as many digits as a reader wants.
+fn short(x: f64) -> String {
+    let rounded = format!("{x:.4}");
+    let rounded = rounded.trim_end_matches('0').trim_end_matches('.');
+    if rounded == "0" && x != 0.0 || rounded == "-0" { format!("{x:.1e}") } else { rounded.to_string() }
+}
+
+/// Neither a box nor a slope: a ray could not know how far it may step.
+pub(crate) fn no_slope(span: Span, is_bounded: bool) -> Diagnostic {
+    let why = match is_bounded {
+        true => "it may jump, or change without bound, somewhere in its box",
+        false => "it has no end, and may jump or change without bound somewhere",
+    };
+    Diagnostic::new(Code::E052, span, "how steep this field is cannot be bounded")
+        .label(why)
+        .help("state it before the `fn` or `let`: `@lipschitz(2)` if the field is nowhere steeper than 2")
 }
 
 pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {
@@ -226,13 +274,31 @@ pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {
         .help("remove it")
 }
 
-pub(crate) fn wrong_requirement(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E032, span, "`@requires` takes a condition and a message")
-        .help("write for example `@requires(r > 0, \"the radius must be positive\")`")
+/// An attribute with other arguments than it takes.
+pub(crate) fn wrong_attribute(span: Span, name: &str) -> Diagnostic {
+    let (takes, help) = match name {
+        "lipschitz" => ("one number", "state the largest slope of the field, for example `@lipschitz(2)`"),
+        "bounds" => (
+            "the two corners of a box",
+            "write for example `@bounds((-1, -1, -1), (1, 1, 1))`; `lo(s)` and `hi(s)` are those of a shape",
+        ),
+        "requires" => (
+            "a condition and a message",
+            "write for example `@requires(r > 0, \"the radius must be positive\")`",
+        ),
+        _ => ("nothing", "remove the parentheses"),
+    };
+    Diagnostic::new(Code::E032, span, format!("`@{name}` takes {takes}")).help(help)
 }
 
-pub(crate) fn promise_not_built_yet(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E064, span, format!("the promise `@{name}` is not built yet"))
-        .label("nothing uses what this promises so far")
-        .help("leave it out for now")
+/// `@exact` and `@bound` are two answers to one question.
+pub(crate) fn attribute_twice(span: Span, name: &str, first: Span) -> Diagnostic {
+    let message = match name {
+        "exact" | "bound" => "`@exact` and `@bound` are stated once, and one of them".to_string(),
+        _ => format!("`@{name}` is stated twice"),
+    };
+    Diagnostic::new(Code::E061, span, message)
+        .label("here again")
+        .related(first, "first stated here")
+        .help("keep one of them")
 }

@@ -54,7 +54,7 @@ pub(crate) struct Elaborator<'t> {
     /// Functions whose result is no number, which cannot become functions of the program.
     pub not_outlined: HashSet<*const Function>,
     /// The functions whose bodies are being evaluated.
-    pub origins: Vec<Origin>,
+    pub origins: Vec<Origin<'t>>,
     /// The distances that a field samples, while its materials are looked up.
     pub samples: Option<Vec<crate::surface::Sample<'t>>>,
     /// The gradients made so far.
@@ -76,6 +76,8 @@ pub(crate) struct Elaborator<'t> {
     pub framed: Option<f64>,
     /// What of the user's file is being evaluated.
     pub place: Span,
+    /// What was proved of shapes so far.
+    pub facts: crate::facts::Facts<'t>,
     /// Whether the limit on work was reached.
     pub exhausted: bool,
 }
@@ -220,12 +222,12 @@ impl<'t> Elaborator<'t> {
     }
 
     fn field(&mut self, dimension: Dimension, block: &'t Block, env: &Env<'t>) -> Value<'t> {
-        let origin = self.origins.last().cloned();
+        let origin = self.origins.last().copied();
         let traits = env.traits();
-        let own = origin.as_ref().and_then(|o| self.names.module(o.module).slopes.get(&o.function));
+        let contract = origin.and_then(|o| self.contract_of_field(o, block));
         let kind = ShapeKind::Field { block, env: env.clone(), origin };
-        let steep = traits.steep || own.is_some();
-        Value::Shape(Rc::new(Shape { dimension, kind, painted: traits.painted, steep }))
+        let steep = traits.steep || contract.is_none_or(|c| c.quality.is_none());
+        Value::Shape(Rc::new(Shape { dimension, kind, painted: traits.painted, steep, place: self.place }))
     }
 
     fn tuple(&mut self, items: &'t [Expr], env: &Env<'t>, span: Span) -> Eval<Value<'t>> {
@@ -558,9 +560,10 @@ fn swizzle(name: &str, ty: Type) -> Option<Vec<usize>> {
 pub(crate) fn name_shape<'t>(value: Value<'t>, name: &Arc<str>, span: Span, thunk: Thunk<'t>) -> Value<'t> {
     match value {
         Value::Shape(shape) if !matches!(shape.kind, ShapeKind::Named { .. }) => {
-            let (dimension, painted, steep) = (shape.dimension, shape.painted, shape.steep);
+            let (dimension, painted, steep, place) =
+                (shape.dimension, shape.painted, shape.steep, shape.place);
             let kind = ShapeKind::Named { name: name.clone(), span, thunk, inner: shape };
-            Value::Shape(Rc::new(Shape { dimension, kind, painted, steep }))
+            Value::Shape(Rc::new(Shape { dimension, kind, painted, steep, place }))
         }
         other => other,
     }

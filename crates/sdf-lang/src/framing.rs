@@ -1,5 +1,6 @@
-//! Where the bounded parts of a scene are, for the camera that frames them. Not a proof: the field is taken to be
-//! one that never promises too much, and sampled at the centres of cells that are split where it may be zero.
+//! Where the bounded parts of a scene are, for the camera that frames them: what they fill at time 0 with the params'
+//! defaults, closer than a box is. Steps tell in which cells there is no surface; the search begins in the box that is
+//! proved of the parts, or in a cube of all that may be drawn.
 
 use crate::eval::Elaborator;
 use crate::scene::OPERATION_LIMIT;
@@ -7,6 +8,7 @@ use crate::value::Shape;
 use glam::DVec3;
 use sdf_ir::cost::operations;
 use sdf_ir::eval::{Machine, Tape};
+use sdf_ir::region::Extent;
 use sdf_ir::simplify;
 use sdf_syntax::Span;
 use std::rc::Rc;
@@ -59,10 +61,18 @@ fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]
 
 /// The centres of small cells in which the surface or the inside of a union may be; nothing if it is unbounded.
 fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Vec<DVec3>> {
+    let mut proved = Extent::NONE;
+    for part in parts {
+        proved = proved.union(&elaborator.extent_of(part, 0.0).ok()?);
+    }
+    if proved.is_empty() {
+        return Some(Vec::new());
+    }
     let field = Field::new(elaborator, parts)?;
     let mut machine = Machine::<f64>::new(&field.tape);
-    let mut half = REACH;
-    let mut cells = vec![DVec3::ZERO];
+    let is_proved = proved.is_bounded();
+    let mut half = if is_proved { proved.size().into_iter().fold(1e-6, f64::max) / 2.0 } else { REACH };
+    let mut cells = vec![if is_proved { DVec3::from_array(proved.center()) } else { DVec3::ZERO }];
     loop {
         let quarter = half / 2.0;
         let sign = |k: i32, bit: i32| if k >> bit & 1 == 1 { quarter } else { -quarter };
@@ -80,12 +90,12 @@ fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option
             .collect();
         let at_border = |c: &DVec3| c.abs().max_element() + 1.5 * half > REACH;
         let Some((low, high)) = corners(&cells) else { return Some(cells) };
-        if half <= REACH / 8.0 && cells.iter().any(at_border) {
+        if !is_proved && half <= REACH / 8.0 && cells.iter().any(at_border) {
             return None;
         }
         let extent = (high - low).max_element();
         let is_fine = half <= FINEST * extent || 8 * cells.len() * parts.len() > MOST_WORK;
-        if (half <= REACH / 8.0 && is_fine) || half < 1e-6 {
+        if ((is_proved || half <= REACH / 8.0) && is_fine) || half < 1e-6 {
             return Some(cells);
         }
     }

@@ -113,7 +113,7 @@ impl<'t> Elaborator<'t> {
     /// Checks what the item at a place in memory requires, as far as it is known now; `span` is what asks for it.
     pub fn require(&mut self, item: *const (), module: Module, env: &Env<'t>, span: Span) -> Eval<()> {
         let names = self.names;
-        for requirement in names.module(module).requirements.get(&item).into_iter().flatten() {
+        for requirement in names.module(module).contracts.get(&item).iter().flat_map(|c| &c.requirements) {
             let value = self.eval(requirement.condition, env)?;
             let holds = self.as_typed(value, Type::Bool, requirement.condition.span)?;
             if holds.known() == Some(Constant::Bool(false)) {

@@ -10,8 +10,10 @@ mod builtin;
 mod call;
 mod choice;
 mod context;
+mod contract;
 mod errors;
 mod eval;
+mod facts;
 mod framing;
 mod items;
 mod library;
@@ -25,6 +27,8 @@ mod stride;
 mod surface;
 mod value;
 mod walk;
+
+pub use facts::{Basis, Class, Fact};
 
 use sdf_ir::{FunctionId, Program};
 use sdf_syntax::tree::File;
@@ -48,6 +52,10 @@ pub struct Options {
     /// Params that are frozen, by name, with their values as written: they become constants, and what they make
     /// zero is not called for.
     pub set: Vec<(String, String)>,
+    /// At how many points each promise of the file is tried; a few where nothing is said.
+    pub attack: Option<usize>,
+    /// Whether the scene is to have its [`facts`](Scene::facts).
+    pub facts: bool,
     /// Whether the scene is to have a [`probe`](Scene::probe).
     pub probe: bool,
 }
@@ -84,6 +92,8 @@ pub struct Scene {
     /// was asked for: the distance from the eye (-1 where there is nothing), the surface's normal and colour, and
     /// the light that arrives there. The entry does not call it, so no text has it.
     pub probe: Option<FunctionId>,
+    /// What is proved of its shapes, if it was asked for.
+    pub facts: Vec<Fact>,
     /// What was compiled in, for the header of the emitted text.
     pub summary: Summary,
 }

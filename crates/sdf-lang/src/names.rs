@@ -1,11 +1,12 @@
 //! The items of the files, by name, and the check that every name means something.
 
 use crate::builtin;
+use crate::contract::{self, Contract};
 use crate::errors;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name,
-    Parameter, PostfixKind, Record, Scene, SettingsKind,
+    Argument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
+    Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 use std::collections::HashMap;
@@ -31,19 +32,9 @@ pub(crate) struct Items<'t> {
     pub scenes: Vec<(&'t Scene, Span)>,
     /// The first sentence of what is said of each function, by its place in memory.
     pub docs: HashMap<*const (), Arc<str>>,
-    /// The slopes that functions state for their fields, by their places in memory.
-    pub slopes: HashMap<*const (), &'t Expr>,
-    /// What items require, by their places in memory.
-    pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
+    /// What items promise and require, by their places in memory.
+    pub contracts: HashMap<*const (), Contract<'t>>,
     all_functions: Vec<&'t Function>,
-}
-
-/// `@requires(condition, "message")`.
-#[derive(Debug)]
-pub(crate) struct Requirement<'t> {
-    pub condition: &'t Expr,
-    pub message: &'t str,
-    pub span: Span,
 }
 
 /// The items of all modules.
@@ -148,17 +139,16 @@ impl<'t> Names<'t> {
     pub fn check(&self, diagnostics: &mut Vec<Diagnostic>) {
         let mut check = Check { names: self, module: Module::User, locals: Vec::new(), diagnostics };
         for function in &self.user.all_functions {
-            let requirements = self.user.requirements.get(&std::ptr::from_ref(*function).cast());
+            let contract = self.user.contracts.get(&std::ptr::from_ref(*function).cast());
             check.with_parameters(&function.parameters, |c| {
-                requirements.into_iter().flatten().for_each(|r| c.expr(r.condition));
+                c.contract(contract);
                 c.expr(&function.body);
             });
         }
         for (_, item) in &self.user.order {
             match item {
                 Item::Let(binding) => {
-                    let requirements = self.user.requirements.get(&std::ptr::from_ref(*binding).cast());
-                    requirements.into_iter().flatten().for_each(|r| check.expr(r.condition));
+                    check.contract(self.user.contracts.get(&std::ptr::from_ref(*binding).cast()));
                     check.expr(&binding.value);
                 }
                 Item::Material(_, record) => check.with_point(&["p", "n"], |c| c.record(record)),
@@ -187,20 +177,15 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
             ItemKind::Let(binding) => Some(std::ptr::from_ref(binding).cast()),
             _ => None,
         };
-        let requirements = requirements(&item.attributes, place.is_some(), module, diagnostics);
+        let contract = Contract::of(&item.attributes, place.is_some(), diagnostics);
         if let Some(place) = place
-            && !requirements.is_empty()
+            && !contract.is_empty()
         {
-            items.requirements.insert(place, requirements);
+            items.contracts.insert(place, contract);
         }
         // What a user wrote never reaches an output, so only the compiler's own files are quoted.
         if let (Some(place), false, false) = (place, module == Module::User, item.docs.is_empty()) {
             items.docs.insert(place, first_sentence(&item.docs));
-        }
-        if let (ItemKind::Fn(_), Some(place), Some(slope)) =
-            (&item.kind, place, stated_slope(&item.attributes))
-        {
-            items.slopes.insert(place, slope);
         }
         match &item.kind {
             ItemKind::Import { .. } => {
@@ -318,58 +303,13 @@ const UNBUILT: &[&str] = &[
     "hsv",
     "fbm",
     "voronoi",
-    "lo",
-    "hi",
-    "reach",
-    "slope",
 ];
-
-/// The attributes that the language has.
-const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
-
-/// What the attributes of an item require; what is wrong with them is reported.
-fn requirements<'t>(
-    attributes: &'t [Attribute],
-    takes_attributes: bool,
-    module: Module,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<Requirement<'t>> {
-    let mut out = Vec::new();
-    for attribute in attributes {
-        let name = &*attribute.name.text;
-        match (name, &attribute.arguments[..]) {
-            _ if !ATTRIBUTES.contains(&name) => {
-                let similar = did_you_mean(name, ATTRIBUTES);
-                diagnostics.push(errors::unknown_attribute(&attribute.name, similar, &ATTRIBUTES));
-            }
-            _ if !takes_attributes => diagnostics.push(errors::misplaced_attribute(attribute.span)),
-            ("requires", [AttributeArgument::Expr(condition), AttributeArgument::Text(message, _)]) => {
-                out.push(Requirement { condition, message, span: attribute.span });
-            }
-            ("requires", _) => diagnostics.push(errors::wrong_requirement(attribute.span)),
-            ("lipschitz", [AttributeArgument::Expr(_)]) => {}
-            ("lipschitz", _) => diagnostics.push(errors::wrong_slope(attribute.span)),
-            // The library's promises are what its tests hold it to.
-            _ if module != Module::User => {}
-            _ => diagnostics.push(errors::promise_not_built_yet(attribute.span, name)),
-        }
-    }
-    out
-}
 
 /// The first sentence of a doc comment, on one line.
 fn first_sentence(docs: &str) -> Arc<str> {
     let line = docs.split_whitespace().collect::<Vec<_>>().join(" ");
     let end = line.find(". ").map_or(line.len(), |i| i + 1);
     Arc::from(&line[..end])
-}
-
-/// What `@lipschitz(e)` states.
-fn stated_slope(attributes: &[Attribute]) -> Option<&Expr> {
-    attributes.iter().find(|a| &*a.name.text == "lipschitz").and_then(|a| match &a.arguments[..] {
-        [AttributeArgument::Expr(e)] => Some(e),
-        _ => None,
-    })
 }
 
 fn add_value<'t>(
@@ -426,6 +366,13 @@ impl Check<'_, '_> {
         self.locals.extend(names.iter().map(|n| Arc::from(*n)));
         f(self);
         self.locals.truncate(before);
+    }
+
+    fn contract(&mut self, contract: Option<&Contract>) {
+        let Some(contract) = contract else { return };
+        let (promises, requirements) = contract.expressions();
+        requirements.into_iter().for_each(|e| self.expr(e));
+        self.with_point(contract::variables(self.module), |c| promises.into_iter().for_each(|e| c.expr(e)));
     }
 
     fn bindings(&mut self, bindings: &[Binding], f: impl FnOnce(&mut Self)) {

@@ -7,8 +7,9 @@ use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
-use crate::{Options, Scene, Summary};
+use crate::{Fact, Options, Scene, Summary};
 use sdf_ir::cost::operations;
+use sdf_ir::region::Extent;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
 use sdf_syntax::{Diagnostic, Sources, Span};
@@ -49,6 +50,7 @@ pub(crate) fn elaborate(
         work: 0,
         place: Span::default(),
         framed: None,
+        facts: crate::facts::Facts::new(),
         exhausted: false,
     };
     let scene = elaborator.scene(options);
@@ -61,7 +63,7 @@ pub(crate) fn elaborate(
         debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
         let mut kept = kept.into_iter();
         let map = made.map.and_then(|_| kept.next());
-        Scene { map, probe: kept.next(), program, summary: made.summary }
+        Scene { map, probe: kept.next(), program, facts: made.facts, summary: made.summary }
     });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -78,11 +80,15 @@ pub(crate) fn elaborate(
 /// How many operations one evaluation of a scene may take, with calls expanded.
 pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
 
+/// At how many points a promise is tried whenever a file is compiled.
+const ATTACK: usize = 400;
+
 /// The functions of a scene, in the program that is being made.
 struct Made {
     map: Option<FunctionId>,
     pixel: FunctionId,
     probe: Option<FunctionId>,
+    facts: Vec<Fact>,
     summary: Summary,
 }
 
@@ -101,13 +107,19 @@ impl<'t> Elaborator<'t> {
         let settings = self.settings()?;
         let painted = shapes.iter().any(|s| s.painted);
         let steep = shapes.iter().any(|s| s.steep);
+        let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
         let union = Rc::new(Shape {
             dimension: Dimension::Three,
             kind: ShapeKind::Union { shapes: shapes.clone() },
             painted,
             steep,
+            place,
         });
-        let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+        match options.attack.unwrap_or(ATTACK) {
+            0 => {}
+            points => self.attack(&union, points)?,
+        }
+        let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
         let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
         let glows = self.glows(&shapes)?;
         let mut summary = self.summary(&settings, &glows, shapes.len());
@@ -122,6 +134,7 @@ impl<'t> Elaborator<'t> {
         fields.push((Arc::from("empty"), Value::bool(empty)));
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        fields.push((Arc::from("faces"), self.faces()?));
         let scene = Value::record(fields);
         let pixel = self.entry("pixel", scene.clone())?;
         let probe = if options.probe { Some(self.entry("probe", scene)?) } else { None };
@@ -132,7 +145,26 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok(Made { map: map_id, pixel, probe, summary })
+        Ok(Made { map: map_id, pixel, probe, facts, summary })
+    }
+
+    /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
+    /// axis that it is across, the side that it is on (1 or -1), and where it is in that direction.
+    fn faces(&mut self) -> Eval<Value<'t>> {
+        let mut all = Extent::NONE;
+        for part in self.scene_parts.clone() {
+            all = all.union(&self.extent_of(&part, 0.0)?);
+        }
+        let all = all.grown(crate::facts::room(&all));
+        let sides = (0..3).flat_map(|axis| [(axis, 1.0, all.hi[axis]), (axis, -1.0, -all.lo[axis])]);
+        let faces = sides.filter(|(_, _, at)| at.is_finite()).map(|(axis, side, at)| {
+            Value::record(vec![
+                (Arc::from("axis"), Value::float(axis as f64)),
+                (Arc::from("side"), Value::float(side)),
+                (Arc::from("at"), Value::float(at)),
+            ])
+        });
+        Ok(Value::list(faces.collect()))
     }
 
     /// Whether the distance to a shape is the same everywhere, so that it has no surface.
@@ -333,7 +365,7 @@ fn parts_of_unnamed<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
     match &shape.kind {
         ShapeKind::Union { shapes } => shapes.iter().flat_map(parts_of_unnamed).collect(),
         ShapeKind::Field { env, origin: Some(origin), .. }
-            if origin.module == Module::Library && &*origin.name == "union" =>
+            if origin.module == Module::Library && &*origin.function.name.text == "union" =>
         {
             match env.get("shapes") {
                 Some(Value::List(list)) => list

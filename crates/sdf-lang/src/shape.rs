@@ -34,6 +34,11 @@ impl<'t> Elaborator<'t> {
         result
     }
 
+    /// The distance from a point to a shape, which nothing notes down.
+    pub fn plain_distance(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
+        self.distance(shape, point, span)
+    }
+
     /// The distance from a point to a shape.
     fn distance(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
         match &shape.kind {
@@ -107,13 +112,13 @@ impl<'t> Elaborator<'t> {
         &mut self,
         block: &'t Block,
         env: &Env<'t>,
-        origin: &Origin,
+        origin: &Origin<'t>,
         point: &Number,
     ) -> Eval<Number> {
         let name = function_name(origin);
-        let line = self.line(origin.span);
+        let line = self.line(origin.function.name.span);
         self.contexts.open(&name, line);
-        self.contexts.describe(self.names.module(origin.module).docs.get(&origin.function).cloned());
+        self.contexts.describe(self.names.module(origin.module).docs.get(&origin.place()).cloned());
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
         let mut inside = Env::new(env.module);
         for (name, value) in env.variables() {
@@ -258,9 +263,9 @@ impl<'t> Elaborator<'t> {
 }
 
 /// A primitive of the library is `sd_name`; one of the user keeps its name.
-fn function_name(origin: &Origin) -> Arc<str> {
+fn function_name(origin: &Origin<'_>) -> Arc<str> {
     match origin.module {
-        Module::User => origin.name.clone(),
-        Module::Library | Module::Runtime => Arc::from(format!("sd_{}", origin.name)),
+        Module::User => origin.function.name.text.clone(),
+        Module::Library | Module::Runtime => Arc::from(format!("sd_{}", origin.function.name.text)),
     }
 }

@@ -5,10 +5,14 @@
 //! beside a twisted column still takes whole steps. Where nothing is steep, a step is the distance itself.
 
 use crate::context::Op;
+use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
+use crate::facts::{Gain, corner_number};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
-use sdf_ir::{Binary, Ternary, Type};
+use sdf_ir::region::Extent;
+use sdf_ir::{Binary, Ternary, Type, Unary};
 use sdf_syntax::Span;
+use sdf_syntax::tree::{Dimension, Expr};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -52,13 +56,24 @@ impl<'t> Elaborator<'t> {
         }
         match &shape.kind {
             ShapeKind::Painted { shape, .. } => self.safe_step(shape, point, span),
+            ShapeKind::Named { inner, .. } if matches!(inner.kind, ShapeKind::Union { .. }) => {
+                self.safe_step(inner, point, span)
+            }
+            ShapeKind::Union { shapes } if shapes.len() == 1 => self.safe_step(&shapes[0], point, span),
             ShapeKind::Choice { condition, then, otherwise } => {
                 let a = self.safe_step(then, point, span)?;
                 let b = self.safe_step(otherwise, point, span)?;
                 Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[condition.clone(), a, b]))
             }
             _ => {
+                let slope = self.require_slope(shape)?;
                 let distance = self.sample(shape, point, span)?;
+                if slope.everywhere <= 1.0 {
+                    return Ok(distance);
+                }
+                if slope.wild {
+                    return self.step_by_region(shape, slope.within, point, &distance, span);
+                }
                 let slope = self.slope(shape, point, &distance, span)?;
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
@@ -75,8 +90,42 @@ impl<'t> Elaborator<'t> {
         Ok(nearest)
     }
 
-    /// The slope of a shape's field round a point at which it is `distance`: what its function states, times the
-    /// largest of the shapes that it samples.
+    /// The step where the slope has a bound in the region of a shape alone: outside of it the field counts as the
+    /// distance to the shape's box, which is not small there.
+    fn step_by_region(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        slope: f64,
+        point: &Number,
+        distance: &Number,
+        span: Span,
+    ) -> Eval<Number> {
+        let (extent, region) = (self.extent_of(shape, 0.0)?, self.region(shape)?);
+        let beyond = self.beyond(&region, point, span)?;
+        let mut farthest = self.component(&beyond, 0);
+        for axis in 1..beyond.ty.size() {
+            let component = self.component(&beyond, axis);
+            farthest = self.binary(Binary::Max, &farthest, &component, span)?;
+        }
+        let outside = self.binary(Binary::Less, &Number::float(0.0), &farthest, span)?;
+        let to_box = self.beyond(&extent, point, span)?;
+        let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
+        let to_box = self.unary(Unary::Length, &to_box, span)?;
+        let within = self.binary(Binary::Divide, distance, &Number::float(slope.max(1.0)), span)?;
+        Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, to_box, within]))
+    }
+
+    /// How far a point lies outside of a box along each axis; below 0 inside.
+    fn beyond(&mut self, extent: &Extent, point: &Number, span: Span) -> Eval<Number> {
+        let dimension = if point.ty == Type::Vec3 { Dimension::Three } else { Dimension::Two };
+        let (lo, hi) = (corner_number(extent.lo, dimension), corner_number(extent.hi, dimension));
+        let below = self.binary(Binary::Subtract, &lo, point, span)?;
+        let above = self.binary(Binary::Subtract, point, &hi, span)?;
+        self.binary(Binary::Max, &below, &above, span)
+    }
+
+    /// The slope of a shape's field round a point at which it is `distance`: what its contract states there, or what
+    /// holds everywhere.
     fn slope(
         &mut self,
         shape: &Rc<Shape<'t>>,
@@ -87,46 +136,116 @@ impl<'t> Elaborator<'t> {
         if !shape.steep {
             return Ok(Number::float(1.0));
         }
+        let known = self.slope_of(shape)?.everywhere;
+        if known <= 1.0 {
+            return Ok(Number::float(1.0));
+        }
+        if let Some(stated) = self.stated(shape)
+            && let Some((slope, _)) = stated.contract.slope
+        {
+            let samples = self.slopes_of_samples(shape, point, None, span)?;
+            return self.slope_here(slope, &stated.env, samples, point, distance);
+        }
         match &shape.kind {
             ShapeKind::Named { inner, .. } => self.slope(inner, point, distance, span),
             ShapeKind::Painted { shape, .. } => self.slope(shape, point, distance, span),
-            ShapeKind::Union { shapes } => {
-                let shapes = shapes.clone();
-                self.slope_of_samples(span, |this| this.union_distance(&shapes, point, span))
-            }
             ShapeKind::Choice { then, otherwise, .. } => {
                 let a = self.slope(then, point, distance, span)?;
                 let b = self.slope(otherwise, point, distance, span)?;
                 self.binary(Binary::Max, &a, &b, span)
             }
-            ShapeKind::Field { block, env, origin } => {
-                let samples = self.slope_of_samples(span, |this| this.field_value(block, env, point))?;
-                let stated =
-                    origin.as_ref().and_then(|o| self.names.module(o.module).slopes.get(&o.function));
-                let Some(stated) = stated else { return Ok(samples) };
-                let env: Env<'t> = env
-                    .bind(Arc::from("p"), Value::Number(point.clone()))
-                    .bind(Arc::from("d"), Value::Number(distance.clone()));
-                let value = self.eval(stated, &env)?;
-                let own = self.as_typed(value, Type::Float, stated.span)?;
-                let own = self.binary(Binary::Max, &own, &Number::float(1.0), span)?;
-                self.binary(Binary::Multiply, &own, &samples, span)
+            ShapeKind::Field { .. } if self.stated(shape).is_none_or(|s| s.contract.quality.is_none()) => {
+                if known.is_finite() {
+                    return Ok(Number::float(known));
+                }
+                let Some(gain) = self.gain(shape)? else {
+                    return self.report(errors::no_slope(shape.place, false));
+                };
+                let reach = self.reach_of_step(distance, gain, span)?;
+                let largest = self.largest_of_samples(shape, point, Some(&reach), span)?;
+                self.binary(Binary::Multiply, &Number::float(gain.slope), &largest, span)
+            }
+            ShapeKind::Union { .. } | ShapeKind::Field { .. } => {
+                self.largest_of_samples(shape, point, None, span)
             }
         }
     }
 
-    /// The largest slope among the shapes that a formula samples, each where it is sampled.
-    fn slope_of_samples(
+    /// What a contract's expression says of the slope round a point, where the shapes that the field samples have
+    /// these slopes.
+    fn slope_here(
         &mut self,
-        span: Span,
-        formula: impl FnOnce(&mut Self) -> Eval<Number>,
+        stated: &'t Expr,
+        env: &Env<'t>,
+        samples: Vec<(Rc<Shape<'t>>, Number)>,
+        point: &Number,
+        distance: &Number,
     ) -> Eval<Number> {
-        let samples = self.samples_of(formula)?;
+        let env: Env<'t> = env
+            .bind(Arc::from("p"), Value::Number(point.clone()))
+            .bind(Arc::from("d"), Value::Number(distance.clone()));
+        let before = self.facts.samples.replace(samples);
+        let value = self.eval(stated, &env);
+        self.facts.samples = before;
+        let slope = self.as_typed(value?, Type::Float, stated.span)?;
+        self.binary(Binary::Max, &slope, &Number::float(1.0), stated.span)
+    }
+
+    /// How far the places at which a field samples its shapes move during a step of its distance.
+    fn reach_of_step(&mut self, distance: &Number, gain: Gain, span: Span) -> Eval<Number> {
+        let distance = self.unary(Unary::Abs, distance, span)?;
+        self.binary(Binary::Multiply, &distance, &Number::float(gain.places), span)
+    }
+
+    /// The largest slope of the shapes that a field samples, each where it is sampled.
+    fn largest_of_samples(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        reach: Option<&Number>,
+        span: Span,
+    ) -> Eval<Number> {
         let mut largest = Number::float(1.0);
-        for (shape, at, distance) in samples {
-            let slope = self.slope(&shape, &at, &distance, span)?;
+        for (_, slope) in self.slopes_of_samples(shape, point, reach, span)? {
             largest = self.binary(Binary::Max, &largest, &slope, span)?;
         }
         Ok(largest)
+    }
+
+    /// The shapes that a field samples, each with its slope round where it is sampled: within its distance there, or
+    /// within `reach` where that is more.
+    fn slopes_of_samples(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        reach: Option<&Number>,
+        span: Span,
+    ) -> Eval<Vec<(Rc<Shape<'t>>, Number)>> {
+        let samples = match &shape.kind {
+            ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
+                return self.slopes_of_samples(inner, point, reach, span);
+            }
+            ShapeKind::Choice { .. } => return Ok(Vec::new()),
+            ShapeKind::Union { shapes } => {
+                let shapes = shapes.clone();
+                self.samples_of(|this| this.union_distance(&shapes, point, span))?
+            }
+            ShapeKind::Field { block, env, .. } => {
+                self.samples_of(|this| this.field_value(block, env, point))?
+            }
+        };
+        let mut out = Vec::new();
+        for (shape, at, distance) in samples {
+            let distance = match reach {
+                Some(reach) => {
+                    let distance = self.unary(Unary::Abs, &distance, span)?;
+                    self.binary(Binary::Max, &distance, reach, span)?
+                }
+                None => distance,
+            };
+            let slope = self.slope(&shape, &at, &distance, span)?;
+            out.push((shape, slope));
+        }
+        Ok(out)
     }
 }

@@ -238,6 +238,30 @@ impl<'t> Elaborator<'t> {
         result.map(|_| samples.into_iter().map(|s| (s.shape, s.point, s.distance)).collect())
     }
 
+    /// A field's formula as a function of what it uses, and the nodes that the innermost function passes for it; and
+    /// what it samples: each shape, where, and what stands for the distance in the formula.
+    #[expect(clippy::type_complexity, reason = "each part has one meaning, which the sentence above says")]
+    pub fn formula_of_samples(
+        &mut self,
+        block: &'t Block,
+        env: &Env<'t>,
+        point: &Number,
+    ) -> Eval<(sdf_ir::Function, Vec<sdf_ir::Value>, Vec<(Rc<Shape<'t>>, Number, sdf_ir::Value)>)> {
+        self.contexts.open(&Arc::from("formula"), None);
+        let saved = self.samples.replace(Vec::new());
+        let result = self.field_value(block, env, point);
+        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
+        let result = match result {
+            Ok(n) => self.contexts.value(&n),
+            Err(reported) => {
+                self.contexts.discard();
+                return Err(reported);
+            }
+        };
+        let (function, arguments) = self.contexts.finish_apart(vec![result]);
+        Ok((function, arguments, samples.into_iter().map(|s| (s.shape, s.point, s.stand_in)).collect()))
+    }
+
     /// The mix of the materials of what a formula samples.
     fn mix_samples(
         &mut self,
@@ -248,7 +272,9 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Mix> {
         self.contexts.open(&Arc::from("shares"), None);
         let saved = self.samples.replace(Vec::new());
+        let takes_apart = std::mem::replace(&mut self.facts.takes_apart, false);
         let result = formula(self, point);
+        self.facts.takes_apart = takes_apart;
         let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
         let result = match result {
             Ok(n) => self.contexts.value(&n),

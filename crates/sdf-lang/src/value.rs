@@ -185,15 +185,17 @@ pub(crate) struct Shape<'t> {
     pub kind: ShapeKind<'t>,
     /// Whether it, or a shape inside, is painted.
     pub painted: bool,
-    /// Whether its slope, or that of a shape inside, may be above 1.
+    /// Whether its slope, or that of a shape inside, may be above 1: no contract says that it is not.
     pub steep: bool,
+    /// What of the user's file it comes from.
+    pub place: Span,
 }
 
 /// How a shape is given.
 #[derive(Debug)]
 pub(crate) enum ShapeKind<'t> {
     /// `field { … }` with the variables round it.
-    Field { block: &'t Block, env: Env<'t>, origin: Option<Origin> },
+    Field { block: &'t Block, env: Env<'t>, origin: Option<Origin<'t>> },
     /// A shape that the user named, by a `let` or a function: it stays a function of that name.
     Named { name: Arc<str>, span: Span, thunk: Thunk<'t>, inner: Rc<Shape<'t>> },
     /// A shape with a material.
@@ -205,13 +207,17 @@ pub(crate) enum ShapeKind<'t> {
 }
 
 /// The function in whose body a field stands.
-#[derive(Debug, Clone)]
-pub(crate) struct Origin {
-    pub name: Arc<str>,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Origin<'t> {
+    pub function: &'t Function,
     pub module: Module,
-    pub span: Span,
-    /// The function, by its place in memory.
-    pub function: *const (),
+}
+
+impl Origin<'_> {
+    /// The function's place in memory, which tells it from others.
+    pub fn place(&self) -> *const () {
+        std::ptr::from_ref(self.function).cast()
+    }
 }
 
 /// How to make a named shape once more, with its numbers seen from inside its function.

@@ -61,6 +61,8 @@ codes! {
     // Fields and contracts.
     E050 "the point where there is none"
     E051 "a field that gives no number"
+    E052 "a field whose slope has no bound"
+    E053 "a promise that does not hold"
     // The scene and its settings.
     E060 "a file without a scene"
     E061 "a block written twice"

@@ -148,6 +148,8 @@ pub enum Stage {
     Tokens,
     /// The tree of the source
     Ast,
+    /// What is proved of each shape: slope, box, dependence, cost
+    Facts,
     /// The program, in the operations of the language
     Ir,
     /// The program, in operations that mean the same on every target

@@ -6,8 +6,11 @@ use crate::failure::Failure;
 use crate::input;
 use crate::terminal::Terminal;
 use sdf_syntax::Severity;
-use sdfc::Clock;
+use sdfc::{Clock, Options};
 use std::path::Path;
+
+/// At how many points each promise of a file is tried.
+const ATTACK: usize = 100_000;
 
 /// Says what is wrong with scenes, and how many mistakes there are in all.
 pub fn run(arguments: &CheckArguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -50,7 +53,12 @@ fn check(
             return Err(failure);
         }
     };
-    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), clock);
+    let compiled = sdfc::compile(
+        &source.name,
+        &source.text,
+        &Options { attack: Some(ATTACK), ..arguments.set.options() },
+        clock,
+    );
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     for diagnostic in &compiled.diagnostics {
         match diagnostic.severity() {

@@ -1,13 +1,13 @@
 //! `sdfc scene.sdf -o scene.wgsl`
 
-use crate::arguments::{CompileArguments, TargetName};
+use crate::arguments::{CompileArguments, Stage, TargetName};
 use crate::failure::Failure;
 use crate::input;
 use crate::listing::listing;
 use crate::output::{Output, print};
 use crate::terminal::Terminal;
 use sdf_syntax::{Code, Diagnostic, Severity};
-use sdfc::{Clock, Compiled, Target};
+use sdfc::{Clock, Compiled, Options, Target};
 use std::path::Path;
 
 /// The extensions that will have a meaning.
@@ -29,7 +29,8 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
 
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(scene, terminal))?;
-    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), &mut clock);
+    let options = Options { facts: arguments.emit.contains(&Stage::Facts), ..arguments.set.options() };
+    let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     if !arguments.emit.is_empty() {
         print(listing(&arguments.emit, &source.text, &compiled).as_bytes())?;

@@ -12,7 +12,7 @@ pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
 pub use sdf_emit::Target;
-pub use sdf_lang::{Options, Scene};
+pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
 pub use sdf_render::{Frame, Picture};
 
 use sdf_emit::Header;

@@ -1,6 +1,7 @@
 //! What the compiler has made of a scene, stage by stage, as text.
 
 use crate::arguments::Stage;
+use crate::facts;
 use sdf_syntax::dump;
 use sdfc::{Compiled, Cost};
 
@@ -18,6 +19,7 @@ fn name(stage: Stage) -> &'static str {
     match stage {
         Stage::Tokens => "tokens",
         Stage::Ast => "ast",
+        Stage::Facts => "facts",
         Stage::Ir => "ir",
         Stage::Total => "total",
         Stage::Cost => "cost",
@@ -29,6 +31,7 @@ fn show(stage: Stage, text: &str, compiled: &Compiled) -> Option<String> {
     match stage {
         Stage::Tokens => Some(dump::tokens(sdf_lang::USER_FILE, text)),
         Stage::Ast => Some(dump::tree(&compiled.tree)),
+        Stage::Facts => output.map(|(scene, _)| facts::table(&scene.facts)),
         Stage::Ir => output.map(|(scene, _)| scene.program.to_string()),
         Stage::Total => output.map(|(_, shader)| shader.program.to_string()),
         Stage::Cost => output.map(|(_, shader)| cost(shader.cost)),

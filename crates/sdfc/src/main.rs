@@ -6,6 +6,7 @@ mod arguments;
 mod bug;
 mod check;
 mod compile;
+mod facts;
 mod failure;
 mod input;
 mod listing;

@@ -257,7 +257,7 @@ fn a_call_must_make_sense() {
         refused_call(&format!("render scene.sdf -o out.png --time={time}"), &["--time"]);
     }
     refused_call("scene.sdf --target wgsl --emit ir", &["cannot both go to standard output"]);
-    refused_call("scene.sdf --emit soup", &["soup", "tokens, ast, ir, total, cost"]);
+    refused_call("scene.sdf --emit soup", &["soup", "tokens, ast, facts, ir, total, cost"]);
 }
 
 #[test]

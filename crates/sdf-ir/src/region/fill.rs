@@ -88,9 +88,8 @@ impl Search {
         for axis in 0..self.axes {
             let reaches = |c: &Extent| [c.lo[axis] <= -REACH, c.hi[axis] >= REACH];
             let infinite = [within.lo[axis] < -REACH, within.hi[axis] > REACH];
-            for side in 0..2 {
-                self.open[axis][side] = infinite[side] && self.cells.iter().any(|c| reaches(c)[side]);
-            }
+            self.open[axis] =
+                [0, 1].map(|side| infinite[side] && self.cells.iter().any(|c| reaches(c)[side]));
         }
         let whole: Vec<usize> = (0..self.axes).filter(|i| self.open[*i] == [true, true]).collect();
         if whole.is_empty() {

@@ -130,9 +130,18 @@ impl Extent {
         [low, high]
     }
 
-    /// Half the diagonal.
-    pub fn radius(&self) -> f64 {
-        self.size().iter().map(|x| x * x / 4.0).sum::<f64>().sqrt()
+    /// The part of it in the middle of its axes that have two ends, and how far from that its points are at most.
+    pub fn middle(&self) -> (Extent, f64) {
+        let (mut middle, mut square) = (*self, 0.0);
+        for i in 0..3 {
+            let half = (self.hi[i] - self.lo[i]) / 2.0;
+            if half.is_finite() {
+                let x = self.center()[i];
+                (middle.lo[i], middle.hi[i]) = (x, x);
+                square += half * half;
+            }
+        }
+        (middle, square.sqrt() * (1.0 + 1e-12))
     }
 }
 
@@ -152,6 +161,14 @@ mod tests {
         assert!(!Extent::new([-1e20, 0.0, 0.0], [1.0; 3]).is_bounded());
         assert!(Extent::ALL.is_everything() && !a.is_everything());
         assert!(Extent::new([1e20; 3], [-1e20; 3]).is_empty());
+    }
+
+    #[test]
+    fn the_middle_of_an_infinite_box_is_a_line() {
+        let a = Extent::new([-1.0, -1e30, 0.0], [5.0, 1e30, 8.0]);
+        let (middle, radius) = a.middle();
+        assert_eq!(middle, Extent::new([2.0, -1e30, 4.0], [2.0, 1e30, 4.0]));
+        assert!((5.0..5.0 + 1e-9).contains(&radius));
     }
 
     #[test]

@@ -46,13 +46,64 @@ fn the_library_requires_what_its_shapes_need() {
 }
 
 #[test]
-fn promises_of_a_file_are_not_passed_over() {
-    for promise in ["exact", "bound", "bounds((-1, -1, -1), (1, 1, 1))"] {
-        let name = promise.split('(').next().unwrap();
-        let said = format!("E064: the promise `@{name}` is not built yet; leave it out for now");
-        check(&format!("@{promise} fn f() = sphere(1)"), &[&said]);
-        check(&format!("@{promise} let f = sphere(1)"), &[&said]);
+fn promises_that_hold_are_taken() {
+    for promise in ["exact", "bound", "bounds((-1, -1, -1), (1, 1, 1))", "bounds(-1, 1)", "lipschitz(1)"] {
+        check(&format!("@{promise} fn f() = sphere(1) scene {{ f() }}"), &[]);
+        check(&format!("@{promise} let f = sphere(1) scene {{ f.at(0, 1, 0) }}"), &[]);
     }
+    check(
+        "@lipschitz(1.5 * slope(s)) fn wide(s: shape) = field { s(p * 1.5) } scene { wide(sphere(1)) }",
+        &[],
+    );
+    check("@bounds(lo(s) - 1, hi(s) + 1) fn fat(s: shape) = s.round(1) scene { fat(box(1)) }", &[]);
+}
+
+/// The beginnings of the findings about a text.
+fn begins(text: &str, expected: &[&str]) {
+    let found = findings(text);
+    let fits = found.iter().zip(expected).all(|(f, e)| f.starts_with(e)) && found.len() == expected.len();
+    assert!(fits, "{found:#?} in {text}");
+}
+
+#[test]
+fn promises_that_do_not_hold_are_mistakes() {
+    begins(
+        "@bound fn steep(r) = field { 3 * (length(p) - r) } scene { steep(1) }",
+        &["E053: the slope of this field is 2.9"],
+    );
+    begins(
+        "@exact let s = box(1).scale((1, 2, 1)) scene { s }",
+        &["E053: this field is not the distance: at "],
+    );
+    begins(
+        "@lipschitz(1.9) fn wide(s: shape) = field { s(p * 2) } scene { wide(sphere(1)) }",
+        &["E053: the slope of this field is 1.99"],
+    );
+    begins(
+        "@bounds(-1, (1, 0.5, 1)) let ball = sphere(1) scene { ball }",
+        &["E053: the shape has a point outside of this box, at "],
+    );
+    // A param's whole range is tried.
+    begins(
+        "param r = 1 in 1..3 @bounds(-2, 2) fn f() = sphere(r) scene { f() }",
+        &["E053: the shape has a point outside of this box, at "],
+    );
+    // What is promised of a function is not promised of the fields inside it.
+    let inner = "fn f() { let inner = field { 3 * (length(p) - 1) }; inner.scale(2) } scene { f() }";
+    begins(&format!("@bound {inner}"), &["E053: the slope of this field is 2.9"]);
+    check(&format!("@lipschitz(3) {inner}"), &[]);
+}
+
+#[test]
+fn what_has_neither_a_box_nor_a_slope_is_a_mistake() {
+    let said = "E052: how steep this field is cannot be bounded; state it before the `fn` or `let`: \
+                `@lipschitz(2)` if the field is nowhere steeper than 2";
+    check("scene { field { floor(p.x) + p.y } }", &[said]);
+    check("scene { field { p.x * p.y } }", &[said]);
+    check("let ok = field { sin(p.x) + p.y } scene { ok }", &[]);
+    // In its box this one is steep, and outside of it nothing is asked of it.
+    check("scene { field { dot(p, p) - 1 } }", &[]);
+    check("scene { smin(field { dot(p, p) - 1 }, sphere(1).at(1, 0, 0), k: 0.2) }", &[]);
 }
 
 #[test]

@@ -22,9 +22,7 @@ const BLUE: Point = [0.0, 0.0, 1.0];
 
 /// A property, as an expression of the record `m`, at a point of a shape.
 fn property(shape: &str, what: &str, at: Point) -> f64 {
-    let field = format!("field {{ let m = surface({shape}, p, (0, 1, 0)); {what} }}");
-    let text = format!("{ITEMS}\nscene {{ {field}, plane(y, 1e6) }}");
-    Field::of(&text).at(at)
+    Field::of_values(ITEMS, &format!("let m = surface({shape}, p, (0, 1, 0)); {what}")).at(at)
 }
 
 fn color(shape: &str, at: Point) -> Point {

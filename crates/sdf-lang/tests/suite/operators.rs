@@ -263,7 +263,7 @@ fn areas() {
         ("field2 { length(p) * p.x - 0.5 }", |[x, y]| x.hypot(y) * x - 0.5),
     ];
     for (area, expected) in cases {
-        let field = Field::of_shape(LUMP, &format!("field {{ ({area})(p.xy) }}"));
+        let field = Field::of_values(LUMP, &format!("({area})(p.xy)"));
         for p in points(200, 2.0) {
             let (d, expected) = (field.at(p), expected([p[0], p[1]]));
             assert!((d - expected).abs() < 1e-9, "{area} at {p:?} is {d} and not {expected}");

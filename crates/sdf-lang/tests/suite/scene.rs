@@ -10,7 +10,9 @@ pub type Point = [f64; 3];
 /// Compiles a scene, whatever comes of it; every program that is made is well formed.
 pub fn compile(text: &str, set: &[(&str, &str)]) -> Compilation {
     let set = set.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-    let compilation = sdf_lang::compile("scene.sdf", text, &Options { set, ..Options::default() });
+    // Fields that compute something else than distances promise a slope that they do not have.
+    let options = Options { set, attack: Some(0), ..Options::default() };
+    let compilation = sdf_lang::compile("scene.sdf", text, &options);
     if let Some(scene) = &compilation.scene {
         assert_eq!(sdf_ir::verify(&scene.program), Ok(()), "in\n{text}");
     }
@@ -31,7 +33,7 @@ pub fn scene_set(text: &str, set: &[(&str, &str)]) -> Scene {
 
 /// The findings about a text, as `code: message; help`, in the order of the source.
 pub fn findings(text: &str) -> Vec<String> {
-    let found = compile(text, &[]).diagnostics;
+    let found = sdf_lang::compile("scene.sdf", text, &Options::default()).diagnostics;
     found
         .iter()
         .map(|d| format!("{}: {}; {}", d.code, d.message, d.help.clone().unwrap_or_default()))
@@ -59,6 +61,12 @@ impl Field {
     /// The field of `scene { SHAPE }` after these items.
     pub fn of_shape(items: &str, shape: &str) -> Field {
         Field::of(&format!("{items}\nscene {{ {shape} }}\n"))
+    }
+
+    /// A number at each point, by an expression in `p` that need not be a distance to anything.
+    pub fn of_values(items: &str, expr: &str) -> Field {
+        let tested = format!("@lipschitz(1)\nlet tested = field {{ {expr} }}");
+        Field::of(&format!("{items}\n{tested}\nscene {{ tested, plane(y, 1e6) }}"))
     }
 
     /// The field of a scene that is compiled already.

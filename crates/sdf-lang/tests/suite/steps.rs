@@ -6,13 +6,13 @@ const ITEMS: &str = "
     camera { eye: (0, 0, 60) }
     let column = box(0.4, 1.2, 0.5).at(0.2, 0, 0.1).twist(3)
     let ball = sphere(0.5).at(3, 0, 0)
-    @lipschitz(2.5)
+    @lipschitz(2.5 * slope(s))
     fn stretched(s: shape) = field { s(p * 2.5) }";
 
 /// The part of random steps of `step` from outside of `shape` that end in it: any is one too many.
 fn passes(shape: &str, step: &str, size: f64) -> f64 {
     let field = Field::of_shape(ITEMS, shape);
-    let steps = Field::of_shape(ITEMS, &format!("field {{ {step} }}"));
+    let steps = Field::of_values(ITEMS, step);
     let from = points(4_000, size);
     let (distances, lengths) = (field.distances(&from), steps.distances(&from));
     let directions: Vec<Point> = points(40, 1.0).iter().map(|d| d.map(|x| x / length(*d))).collect();
@@ -60,8 +60,8 @@ fn steps_of_the_distance_pass_it() {
 
 #[test]
 fn the_correction_is_on_the_branch_that_needs_it() {
-    let whole = Field::of_shape(ITEMS, "field { (column | ball)(p) }");
-    let step = Field::of_shape(ITEMS, "field { stride(column | ball, p) }");
+    let whole = Field::of_values(ITEMS, "(column | ball)(p)");
+    let step = Field::of_values(ITEMS, "stride(column | ball, p)");
     for at in [[3.0, 0.6, 0.0], [3.7, 0.0, 0.0], [3.0, 0.0, 0.65]] {
         assert_eq!(step.at(at), whole.at(at), "near the ball at {at:?}");
     }

@@ -43,7 +43,7 @@ fn try_value(items: &str, expr: &str, given: [f64; 3], known: Known) -> Result<f
     };
     // The `if` makes a field of what does not depend on the point.
     let field = format!("field {{ {bindings} if p.x > 1e15 {{ 77.125 }} else {{ {expr} }} }}");
-    let text = format!("{items}\n{variables}\nscene {{ {field} }}");
+    let text = format!("{items}\n{variables}\n@lipschitz(1)\nlet tested = {field}\nscene {{ tested }}");
     let compilation = compile(&text, &set);
     let said = compilation.diagnostics.iter().map(|d| format!("{}: {}", d.code, d.message)).collect();
     compilation.scene.map(|scene| Field::of_scene(scene, &text).at(point)).ok_or(said)
@@ -436,8 +436,7 @@ fn noise_is_bounded_continuous_and_alike() {
             let at = f64::from(i) * 0.61 - 3.0;
             alike("", expr, [at, at * 0.7 + 0.1, -at]);
         }
-        let text = format!("scene {{ field {{ let a = p.x; let b = p.y; let c = p.z; {expr} }} }}");
-        let field = Field::of(&text);
+        let field = Field::of_values("", &format!("let a = p.x; let b = p.y; let c = p.z; {expr}"));
         let line = |i: usize| {
             let t = i as f64 * 1e-3 - 4.0;
             [t, 0.3 + t * 0.7, -0.2 - t]
@@ -470,11 +469,9 @@ fn inputs_have_their_defaults_and_can_be_set() {
 #[test]
 fn what_is_wrong_at_the_eye_only_is_no_mistake() {
     let camera = "camera { eye: (0, 0, 5) }";
-    assert_eq!(Field::of(&format!("{camera} scene {{ field {{ 1 / p.x }} }}")).at([2.0, 0.0, 0.0]), 0.5);
-    let polar = format!("{camera} scene {{ field {{ length(p) + (1, 2, 3)[0] % p.y }} }}");
-    assert_eq!(Field::of(&polar).at([0.0, 4.0, 0.0]), 5.0);
-    let wide = format!("{camera} scene {{ field {{ (if p.x < 1 {{ 0 }} else {{ (p.x, 2) }})[0] }} }}");
-    assert_eq!(Field::of(&wide).at([2.0, 0.0, 0.0]), 2.0);
+    assert_eq!(Field::of_values(camera, "1 / p.x").at([2.0, 0.0, 0.0]), 0.5);
+    assert_eq!(Field::of_values(camera, "length(p) + (1, 2, 3)[0] % p.y").at([0.0, 4.0, 0.0]), 5.0);
+    assert_eq!(Field::of_values(camera, "(if p.x < 1 { 0 } else { (p.x, 2) })[0]").at([2.0, 0.0, 0.0]), 2.0);
 }
 
 /// Values of the frame that are first needed inside a loop or a branch are still there outside.

@@ -1,0 +1,345 @@
+//! What a field's own formula proves where no contract says it: the box by interval search, then the slope over it.
+//!
+//! The formula is taken apart: the distances that it samples are stand-ins, of which only the slope and the interval
+//! are known, so that what is proved of a shape is used wherever the shape is.
+
+use crate::contract::Quality;
+use crate::errors;
+use crate::eval::{Elaborator, Eval};
+use crate::facts::listing::parts;
+use crate::facts::promise::{bounds_of_cell, ended};
+use crate::facts::{Slope, flat};
+use crate::value::{Env, Number, Shape, ShapeKind, Value};
+use sdf_ir::interval::{Bounds, Sloped, Walker};
+use sdf_ir::region::{Extent, Steepness, fill, steepest};
+use sdf_ir::{Function, Node, Program, RegionId, Type};
+use sdf_syntax::tree::{Block, Dimension};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// How often the search for a box may ask.
+const FILL: usize = 4000;
+/// How often the search for the steepest place of all of space may ask.
+const EVERYWHERE: usize = 40;
+/// How often the search for the steepest place of a region may ask.
+const WITHIN: usize = 600;
+/// A bound so little above 1 comes from the proof's own rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A field's formula as functions that intervals can walk.
+#[derive(Debug)]
+pub(crate) struct Formula {
+    ty: Type,
+    /// `p → distance`.
+    whole: Function,
+    /// `p →` the arguments of `inner`, then the points at which shapes are sampled.
+    outer: Function,
+    /// What the formula makes of its arguments, the sampled distances among them.
+    inner: Function,
+    samples: Vec<Sampled>,
+}
+
+/// A distance that a formula samples.
+#[derive(Debug)]
+struct Sampled {
+    /// Which argument of the formula it is.
+    argument: usize,
+    /// The slope of its shape everywhere; infinite where nothing is known.
+    slope: f64,
+    /// Whether its shape must not be trusted everywhere.
+    wild: bool,
+}
+
+/// How a field's slope follows from those of the shapes that it samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Gain {
+    /// Its slope is at most this times the largest of theirs, or of 1.
+    pub slope: f64,
+    /// Where it samples them moves at most so much faster than the point.
+    pub places: f64,
+}
+
+impl<'t> Elaborator<'t> {
+    /// The slope of a field without a contract.
+    pub fn derived_slope(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Slope> {
+        let everywhere = self.derived_everywhere(shape)?;
+        if everywhere <= 1.0 {
+            let quality = Some(Quality::Bound);
+            return Ok(Slope { quality, everywhere, within: everywhere, wild: false });
+        }
+        let within = self.derived_within(shape)?.min(everywhere);
+        let wild = everywhere.is_infinite() && self.gain(shape)?.is_none();
+        Ok(Slope { quality: None, everywhere, within, wild })
+    }
+
+    /// How much steeper a field is than the steepest of the shapes that it samples, at most, and than where it samples
+    /// them moves; nothing if no bound is found, or if one of the shapes must not be trusted everywhere.
+    pub fn gain(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Gain>> {
+        let Some(formula) = self.formula(shape)? else { return Ok(None) };
+        if formula.samples.iter().any(|s| s.wild) {
+            return Ok(None);
+        }
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let mut walk = Walk::new(&formula, &self.contexts.program, &uniforms, &globals);
+        let all = flat(Extent::ALL, shape.dimension);
+        let mut places = 1.0f64;
+        let slope = steepest(formula.ty.size(), &all, EVERYWHERE, |cell| {
+            let (slope, place) = walk.gain(cell);
+            places = places.max(place);
+            Steepness { at_most: slope, at_least: 0.0 }
+        });
+        let is_known = slope.is_finite() && places.is_finite();
+        Ok(is_known.then_some(Gain { slope: slope.max(1.0), places }))
+    }
+
+    /// A Lipschitz constant over all of space; infinite where none is found.
+    fn derived_everywhere(&mut self, shape: &Rc<Shape<'t>>) -> Eval<f64> {
+        let Some(formula) = self.formula(shape)? else { return Ok(f64::INFINITY) };
+        let all = flat(Extent::ALL, shape.dimension);
+        Ok(self.steepest_place(&formula, &all, EVERYWHERE))
+    }
+
+    /// A Lipschitz constant over the region of a shape; infinite where none is found.
+    pub fn derived_within(&mut self, shape: &Rc<Shape<'t>>) -> Eval<f64> {
+        let Some(formula) = self.formula(shape)? else { return Ok(f64::INFINITY) };
+        let region = self.region(shape)?;
+        Ok(self.steepest_place(&formula, &region, WITHIN))
+    }
+
+    /// The box of the points where a field without a stated one is at most `level`.
+    pub fn derived_extent(&mut self, shape: &Rc<Shape<'t>>, level: f64) -> Eval<Extent> {
+        let all = flat(Extent::ALL, shape.dimension);
+        let everywhere = self.slope_before_extent(shape)?;
+        let Some(formula) = self.formula(shape)? else { return Ok(all) };
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        let mut walker = Walker::<Bounds>::new(program, &formula.whole, &uniforms, &globals);
+        let mut least = |cell: &Extent| walker.run(&[bounds_of_cell(cell, formula.ty)])[0].number().lo;
+        let may_hold = |cell: &Extent| {
+            if least(cell) > level {
+                return false;
+            }
+            if !everywhere.is_finite() {
+                return true;
+            }
+            // From the middle of the cell, or the line or plane in its middle, it is not far to any of its points.
+            let (middle, radius) = cell.middle();
+            least(&middle) - everywhere * radius <= level
+        };
+        Ok(flat(fill(formula.ty.size(), &all, FILL, may_hold), shape.dimension))
+    }
+
+    /// The slope over all of space, found without the box.
+    fn slope_before_extent(&mut self, shape: &Rc<Shape<'t>>) -> Eval<f64> {
+        match self.stated(shape).and_then(|s| s.contract.quality) {
+            Some(_) => Ok(self.slope_of(shape)?.everywhere),
+            None => self.derived_everywhere(shape),
+        }
+    }
+
+    fn steepest_place(&mut self, formula: &Formula, region: &Extent, budget: usize) -> f64 {
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        let mut walk = Walk::new(formula, program, &uniforms, &globals);
+        let mut slope = |cell: &Extent| walk.slope(cell);
+        let ask = |cell: &Extent| {
+            let center = cell.center();
+            Steepness { at_most: slope(cell), at_least: slope(&Extent { lo: center, hi: center }) }
+        };
+        let found = steepest(formula.ty.size(), region, budget, ask);
+        if found <= 1.0 + ROUNDING { found.min(1.0) } else { found }
+    }
+
+    /// The formula of a field; nothing if it is made from what an open function computes.
+    fn formula(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Rc<Formula>>> {
+        let shape = &unwrapped(shape);
+        let ShapeKind::Field { block, env, .. } = &shape.kind else { return Ok(None) };
+        let key = Rc::as_ptr(shape).cast::<()>();
+        if let Some(formula) = self.facts.formulas.get(&key) {
+            return Ok(formula.clone());
+        }
+        let formula = if depends_on_a_point(env) {
+            None
+        } else {
+            let samples = self.samples.take();
+            let takes_apart = std::mem::replace(&mut self.facts.takes_apart, true);
+            let formula = self.take_apart(shape, block, env);
+            self.facts.takes_apart = takes_apart;
+            self.samples = samples;
+            formula?.map(Rc::new)
+        };
+        self.facts.kept.push(shape.clone());
+        self.facts.formulas.insert(key, formula.clone());
+        Ok(formula)
+    }
+
+    fn take_apart(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        block: &'t Block,
+        env: &Env<'t>,
+    ) -> Eval<Option<Formula>> {
+        let ty = if shape.dimension == Dimension::Three { Type::Vec3 } else { Type::Vec2 };
+        let place = block.result.span;
+        let Some((whole, _)) = self.apart(ty, |this, point| {
+            let distance = this.plain_distance(shape, point, place)?;
+            Ok((vec![this.contexts.value(&distance)], ()))
+        })?
+        else {
+            return Ok(None);
+        };
+        let made = self.apart(ty, |this, point| {
+            let (inner, mut results, samples) = this.formula_of_samples(block, env, point)?;
+            for (_, at, _) in &samples {
+                results.push(this.contexts.value(at));
+            }
+            Ok((results, (inner, samples)))
+        })?;
+        let Some((outer, (inner, found))) = made else { return Ok(None) };
+        let mut samples = Vec::new();
+        for (shape, _, stand_in) in found {
+            let Node::Argument(RegionId::ROOT, argument) = inner.node(stand_in) else {
+                unreachable!("a stand-in is an argument")
+            };
+            let (slope, wild) = if depends_on_a_point_inside(&shape) {
+                (f64::INFINITY, true)
+            } else {
+                let slope = self.slope_of(&shape)?;
+                (slope.everywhere, slope.wild)
+            };
+            samples.push(Sampled { argument: argument as usize, slope, wild });
+        }
+        Ok(Some(Formula { ty, whole, outer, inner, samples }))
+    }
+
+    /// A function of a point, apart from the program; nothing if it needs what an open function computes.
+    fn apart<T>(
+        &mut self,
+        ty: Type,
+        make: impl FnOnce(&mut Self, &Number) -> Eval<(Vec<sdf_ir::Value>, T)>,
+    ) -> Eval<Option<(Function, T)>> {
+        self.contexts.open(&Arc::from("formula"), None);
+        let point = self.contexts.entry_parameter("p", ty);
+        match make(self, &point) {
+            Ok((results, more)) => {
+                let (function, outside) = self.contexts.finish_apart(results);
+                Ok(outside.is_empty().then_some((function, more)))
+            }
+            Err(reported) => {
+                self.contexts.discard();
+                Err(reported)
+            }
+        }
+    }
+
+    /// A field whose slope has no bound that is known is an error, which says how to state one.
+    pub fn require_slope(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Slope> {
+        let slope = self.slope_of(shape)?;
+        if !slope.wild {
+            return Ok(slope);
+        }
+        if slope.within.is_finite() && self.extent_of(shape, 0.0)?.is_bounded() {
+            return Ok(slope);
+        }
+        let culprit = self.culprit(shape)?;
+        let bounded = self.extent_of(&culprit, 0.0)?.is_bounded();
+        self.report(errors::no_slope(culprit.place, bounded))
+    }
+
+    /// The shape inside a shape that makes it one that must not be trusted everywhere.
+    fn culprit(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Rc<Shape<'t>>> {
+        for part in parts(shape) {
+            if self.slope_of(&part)?.wild {
+                return self.culprit(&part);
+            }
+        }
+        Ok(shape.clone())
+    }
+}
+
+/// A formula that is walked over many cells.
+struct Walk<'a> {
+    formula: &'a Formula,
+    whole: Walker<'a, Sloped>,
+    outer: Walker<'a, Sloped>,
+    inner: Walker<'a, Sloped>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(formula: &'a Formula, program: &'a Program, uniforms: &[Bounds], globals: &[Bounds]) -> Walk<'a> {
+        let walker = |function| Walker::new(program, function, uniforms, globals);
+        Walk {
+            formula,
+            whole: walker(&formula.whole),
+            outer: walker(&formula.outer),
+            inner: walker(&formula.inner),
+        }
+    }
+
+    /// A bound on the slope in a cell: the better one of that of the formula, with what is known of the shapes that
+    /// it samples, and that of all its arithmetic.
+    fn slope(&mut self, cell: &Extent) -> f64 {
+        let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
+        let mut arguments = self.outer.run(&[point]).to_vec();
+        let points = arguments.split_off(self.formula.inner.parameters.len());
+        for (sample, at) in self.formula.samples.iter().zip(&points) {
+            let stated = sample.slope * at.norm();
+            let argument = &mut arguments[sample.argument];
+            if stated < argument.norm() {
+                *argument = Sloped::within(argument.bounds, stated);
+            }
+        }
+        let composed = self.inner.run(&arguments)[0].norm();
+        ended(composed.min(self.whole.run(&[point])[0].norm()))
+    }
+
+    /// A bound on the slope in a cell if no sampled shape were steeper than 1, and on how fast the places move at
+    /// which they are sampled.
+    fn gain(&mut self, cell: &Extent) -> (f64, f64) {
+        let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
+        let mut arguments = self.outer.run(&[point]).to_vec();
+        let points = arguments.split_off(self.formula.inner.parameters.len());
+        for (sample, at) in self.formula.samples.iter().zip(&points) {
+            let argument = &mut arguments[sample.argument];
+            *argument = Sloped::within(argument.bounds, at.norm());
+        }
+        let places = points.iter().map(Sloped::norm).fold(1.0, f64::max);
+        (ended(self.inner.run(&arguments)[0].norm()), ended(places))
+    }
+}
+
+/// The shape without its name and paint.
+fn unwrapped<'t>(shape: &Rc<Shape<'t>>) -> Rc<Shape<'t>> {
+    match &shape.kind {
+        ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => unwrapped(inner),
+        _ => shape.clone(),
+    }
+}
+
+/// Whether among the variables there is a number that an open function computes.
+fn depends_on_a_point(env: &Env<'_>) -> bool {
+    env.variables().iter().any(|(_, v)| value_depends_on_a_point(v))
+}
+
+fn value_depends_on_a_point(value: &Value<'_>) -> bool {
+    match value {
+        Value::Number(n) => n.is_local(),
+        Value::Shape(s) => depends_on_a_point_inside(s),
+        Value::List(l) => l.items.iter().any(value_depends_on_a_point),
+        Value::Record(r) => r.fields.iter().any(|(_, v)| value_depends_on_a_point(v)),
+        Value::Material(_) | Value::Function(_) => false,
+    }
+}
+
+fn depends_on_a_point_inside(shape: &Shape<'_>) -> bool {
+    match &shape.kind {
+        ShapeKind::Field { env, .. } => depends_on_a_point(env),
+        ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
+            depends_on_a_point_inside(inner)
+        }
+        ShapeKind::Choice { condition, then, otherwise } => {
+            condition.is_local() || depends_on_a_point_inside(then) || depends_on_a_point_inside(otherwise)
+        }
+        ShapeKind::Union { shapes } => shapes.iter().any(|s| depends_on_a_point_inside(s)),
+    }
+}

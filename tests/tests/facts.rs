@@ -1,0 +1,282 @@
+//! What is proved of fields, against the fields: no pair of points is steeper than the Lipschitz constant, and no point
+//! of a shape lies outside of its box; and how much larger than needed both are.
+
+use sdf_ir::eval::{Machine, Tape};
+use sdf_ir::region::Extent;
+use sdf_ir::{Constant, Program, Role};
+use sdf_lang::{Fact, Options};
+use sdf_tests::library::CALLS;
+use sdf_tests::numbers::word;
+use sdf_tests::scenes::{Example, examples, scene};
+use std::fmt::Write;
+
+/// How many pairs are tried for each field.
+const PAIRS: usize = 1_000_000;
+/// The distances of the pairs.
+const DISTANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+/// How much larger than the steepest pair a constant may be, where the field is a primitive or moved rigidly.
+const TIGHT_SLOPE: f64 = 1.25;
+/// How much larger than the shape the box of a primitive may be.
+const TIGHT_BOX: f64 = 1.10;
+
+/// The calls, by their beginnings, that jump or change without bound on purpose: a scene with one of them is refused.
+const REFUSED: &[&str] = &[
+    "field { sum(cells(p.x, 1.5))",
+    "field { rotate(p, (1, 2, 3), p.x)",
+    "field { rotate(p.xy, p.z)",
+    "field { fade(",
+];
+
+fn is_refused(call: &str) -> bool {
+    REFUSED.iter().any(|beginning| call.starts_with(beginning))
+}
+
+/// The functions that make a solid or an area from numbers alone.
+const PRIMITIVES: &[&str] = &[
+    "sphere",
+    "box",
+    "round_box",
+    "torus",
+    "plane",
+    "cylinder",
+    "capsule",
+    "cone",
+    "ellipsoid",
+    "octahedron",
+    "circle",
+    "rect",
+    "polygon",
+];
+
+/// The functions that move shapes rigidly, or put them together.
+const RIGID: &[&str] = &["at", "rotate", "rotate_x", "rotate_y", "rotate_z", "mirror", "union", "repeat"];
+
+/// A field with what is proved of it.
+struct Subject {
+    name: String,
+    fact: Fact,
+    program: Program,
+    tape: Tape,
+}
+
+impl Subject {
+    fn new(name: &str, text: &str, row: &str) -> Subject {
+        let options = Options { facts: true, attack: Some(0), ..Options::default() };
+        let scene = scene(name, text, &options);
+        let fact = scene.facts.iter().find(|fact| fact.name == row);
+        let fact = fact.unwrap_or_else(|| panic!("{name}: no row `{row}`")).clone();
+        let mut program = scene.program.clone();
+        program.entry = scene.map;
+        let (program, _) = sdf_ir::simplify(&program, &[]);
+        let tape = Tape::compile(&program, program.entry.expect("a field"));
+        Subject { name: name.into(), fact, program, tape }
+    }
+
+    fn of_call(call: &str) -> Subject {
+        Subject::new(call, &format!("let subject = {call}\nscene {{ subject }}\n"), "subject")
+    }
+
+    fn of_example(example: &Example) -> Subject {
+        Subject::new(&format!("examples/{}", example.name), &example.text, "union")
+    }
+
+    fn distances(&self, points: &Points, frame: usize) -> Vec<f64> {
+        let mut out = vec![0.0; points[0].len()];
+        let mut machine = Machine::<f64>::new(&self.tape);
+        machine.set_uniforms(&self.uniforms(frame));
+        machine.run(&[&points[0], &points[1], &points[2]], &mut [&mut out]);
+        out
+    }
+
+    /// Values of the uniforms: the defaults, then any.
+    fn uniforms(&self, frame: usize) -> Vec<Constant> {
+        let value = |(i, uniform): (usize, &sdf_ir::Uniform)| {
+            let any = unit(900_000_000 + (frame * 50 + i) as u64);
+            match uniform.role {
+                _ if frame == 0 => uniform.default,
+                Role::Setting | Role::Resolution => uniform.default,
+                Role::Time => Constant::Float(any * 30.0),
+                Role::Mouse => Constant::Vec2([any, 1.0 - any]),
+                Role::Param { range: Some((lo, hi)), .. } => Constant::Float(lo + (hi - lo) * any),
+                Role::Param { .. } => uniform.default,
+            }
+        };
+        self.program.uniforms.iter().enumerate().map(value).collect()
+    }
+
+    /// How many frames are tried: one of a field that never changes.
+    fn frames(&self) -> usize {
+        if self.program.uniforms.is_empty() { 1 } else { 8 }
+    }
+}
+
+/// A column for each coordinate.
+type Points = [Vec<f64>; 3];
+
+fn unit(n: u64) -> f64 {
+    f64::from(word(n)) / f64::from(u32::MAX)
+}
+
+/// Points of a box; along an axis without an end, of a part of it.
+fn scattered(within: &Extent, count: usize, seed: u64) -> Points {
+    std::array::from_fn(|axis| {
+        let (lo, hi) = (within.lo[axis].max(-8.0), within.hi[axis].min(8.0));
+        let (lo, hi) = if lo < hi { (lo, hi) } else { (-2.0, 2.0) };
+        let x = |i: usize| lo + (hi - lo) * unit(seed * 1_000_000_007 + (i * 3 + axis) as u64);
+        (0..count).map(x).collect()
+    })
+}
+
+/// Points at a distance from others, in any direction.
+fn moved(points: &Points, distance: f64, seed: u64) -> Points {
+    let mut out = points.clone();
+    for i in 0..points[0].len() {
+        let n = seed * 1_000_003 + 3 * i as u64;
+        let direction: [f64; 3] = std::array::from_fn(|axis| unit(n + axis as u64) * 2.0 - 1.0);
+        let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-6);
+        for axis in 0..3 {
+            out[axis][i] += direction[axis] / length * distance;
+        }
+    }
+    out
+}
+
+fn at(points: &Points, i: usize) -> [f64; 3] {
+    std::array::from_fn(|axis| points[axis][i])
+}
+
+/// The room round a box in which a slope holds as well, or less.
+fn near(extent: &Extent) -> Extent {
+    let size = extent.size().into_iter().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    extent.grown((size * 0.04).max(5e-4))
+}
+
+fn holds(extent: &Extent, p: [f64; 3]) -> bool {
+    (0..3).all(|i| extent.lo[i] <= p[i] && p[i] <= extent.hi[i])
+}
+
+/// The steepest pair of points of the field, both where its constant holds, and how many were steeper than it.
+fn steepest_pair(subject: &Subject) -> (f64, usize) {
+    let fact = &subject.fact;
+    let is_everywhere = fact.slope_everywhere <= fact.slope;
+    let wide = Extent { lo: [-4.0; 3], hi: [4.0; 3] };
+    let region = if is_everywhere { wide } else { near(&fact.extent) };
+    let count = PAIRS / DISTANCES.len() / subject.frames();
+    let (mut steepest, mut violations) = (0.0f64, 0);
+    for frame in 0..subject.frames() {
+        let from = scattered(&region, count, frame as u64 + 1);
+        let here = subject.distances(&from, frame);
+        for (k, distance) in DISTANCES.into_iter().enumerate() {
+            let to = moved(&from, distance, (frame * 8 + k) as u64 + 17);
+            let there = subject.distances(&to, frame);
+            for i in 0..count {
+                let (a, b) = (at(&from, i), at(&to, i));
+                if !is_everywhere && !holds(&region, b) {
+                    continue;
+                }
+                let length = (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt();
+                let slope = (here[i] - there[i]).abs() / length;
+                steepest = steepest.max(slope);
+                violations += usize::from(slope > fact.slope * (1.0 + 1e-9) + 1e-10);
+            }
+        }
+    }
+    (steepest, violations)
+}
+
+/// The box round the points of the shape that were found, and how many lie outside of its proved box.
+fn filled(subject: &Subject) -> (Extent, usize) {
+    let extent = subject.fact.extent;
+    let size = extent.size().into_iter().filter(|x| x.is_finite()).fold(1.0, f64::max);
+    let tried = Extent { lo: [-4.0; 3], hi: [4.0; 3] }.union(&extent.grown(0.5 * size));
+    let (mut found, mut outside) = (Extent::NONE, 0);
+    let count = PAIRS / subject.frames();
+    for frame in 0..subject.frames() {
+        let points = scattered(&tried, count, 77 + frame as u64);
+        for (i, d) in subject.distances(&points, frame).into_iter().enumerate() {
+            if d <= 0.0 {
+                let p = at(&points, i);
+                found = found.union(&Extent { lo: p, hi: p });
+                outside += usize::from(!holds(&extent, p));
+            }
+        }
+    }
+    (found, outside)
+}
+
+/// How much longer a box is than what was found in it, along the axis where that is most.
+fn excess(extent: &Extent, found: &Extent) -> f64 {
+    let ratio = |i: usize| extent.size()[i] / found.size()[i];
+    (0..3).filter(|i| extent.size()[*i].is_finite() && found.size()[*i] > 0.0).map(ratio).fold(0.0, f64::max)
+}
+
+#[test]
+fn facts_hold_and_are_tight() {
+    let mut table = String::from(
+        "field                                                         slope  steepest  looseness  box/shape  violations  outside\n",
+    );
+    let mut complaints = String::new();
+    let calls = CALLS.iter().flat_map(|(name, calls)| calls.iter().map(move |call| (*name, *call)));
+    let subjects =
+        calls.filter(|(_, call)| !is_refused(call)).map(|(name, call)| (name, Subject::of_call(call)));
+    let examples = examples();
+    let scenes = examples.iter().map(|example| ("", Subject::of_example(example)));
+    for (function, subject) in subjects.chain(scenes) {
+        let (steepest, violations) = steepest_pair(&subject);
+        let (found, outside) = filled(&subject);
+        let (slope, excess) = (subject.fact.slope, excess(&subject.fact.extent, &found));
+        // Of a field that is nowhere steep there is no pair to compare with.
+        let looseness = if steepest > 0.0 { slope / steepest } else { 1.0 };
+        let short: String = subject.name.chars().take(60).collect();
+        writeln!(
+            table,
+            "{short:<60} {slope:>6.3} {steepest:>9.3} {looseness:>10.3} {excess:>10.3} {violations:>11} {outside:>8}"
+        )
+        .expect("a string grows");
+        let mut complain = |what: String| complaints += &format!("{}: {what}\n", subject.name);
+        if violations > 0 {
+            complain(format!("{violations} pairs are steeper than {slope}; the steepest has {steepest}"));
+        }
+        if outside > 0 {
+            complain(format!("{outside} points of the shape lie outside of {:?}", subject.fact.extent));
+        }
+        if (PRIMITIVES.contains(&function) || RIGID.contains(&function)) && looseness > TIGHT_SLOPE {
+            complain(format!("the constant {slope} is {looseness:.3} times the steepest pair"));
+        }
+        if PRIMITIVES.contains(&function) && excess > TIGHT_BOX {
+            complain(format!("the box is {excess:.3} times as long as the shape"));
+        }
+    }
+    println!("{table}");
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("facts.txt");
+    std::fs::write(&path, &table).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+/// A field whose slope has no bound is refused, and the message says how to state one.
+#[test]
+fn fields_without_a_bound_are_refused() {
+    let calls = CALLS.iter().flat_map(|(_, calls)| *calls).filter(|call| is_refused(call));
+    let mut count = 0;
+    for call in calls {
+        let text = format!("scene {{ {call} }}");
+        let found = sdf_lang::compile("jump", &text, &Options::default()).diagnostics;
+        assert_eq!(found.len(), 1, "{call}: {found:?}");
+        assert_eq!(found[0].code, sdf_syntax::Code::E052, "{call}");
+        assert!(found[0].help.as_ref().is_some_and(|help| help.contains("@lipschitz(")), "{call}");
+        count += 1;
+    }
+    assert!(count >= REFUSED.len(), "{count} calls are refused");
+}
+
+/// The measures can fail: a constant and a box that are a little too small are caught.
+#[test]
+fn wrong_facts_are_caught() {
+    let mut subject = Subject::of_call("cylinder(0.6, 1.2).at(0.3, 0.1, 0.2)");
+    assert_eq!((steepest_pair(&subject).1, filled(&subject).1), (0, 0));
+    subject.fact.slope = 0.999;
+    subject.fact.slope_everywhere = 0.999;
+    subject.fact.extent.hi[1] -= 0.01;
+    assert!(steepest_pair(&subject).1 > 1000);
+    assert!(filled(&subject).1 > 10);
+}

@@ -22,7 +22,7 @@ mod walk;
 pub use bounds::Bounds;
 pub use growing::Growing;
 pub use number::Interval;
-pub use rotation::Angle;
+pub use rotation::{Angle, Axis};
 pub use slopes::{Sloped, Slopes};
 pub use walk::Domain;
 

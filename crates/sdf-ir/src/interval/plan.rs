@@ -1,7 +1,7 @@
 //! What a walk over a function wants to know beforehand: which nodes count, where arguments go, and what lies beside
 //! the nodes.
 
-use super::rotation::Angle;
+use super::rotation::{Angle, Axis};
 use super::seam;
 use crate::copy::live;
 use crate::program::{Function, Node, RegionId, Rotation, Ternary, Type, Value};
@@ -153,7 +153,9 @@ impl Plan {
 fn as_far_as_there(it: &Rotation, is_there: &[bool]) -> Option<Rotation> {
     let there = |v: Value| is_there[v.0 as usize];
     there(it.vector).then(|| Rotation {
-        axis: it.axis.filter(|axis| there(*axis)),
+        axis: it
+            .axis
+            .filter(|axis| matches!(axis, Axis::Fixed(_)) || matches!(axis, Axis::Of(axis) if there(*axis))),
         angle: match it.angle {
             Angle::Of(angle) if !there(angle) => Angle::Unknown,
             angle => angle,
@@ -212,7 +214,9 @@ fn live_with_rotations(function: &Function, pairs: &FxHashMap<Value, (Value, usi
     for rotation in function.rotations().iter().rev() {
         if live[rotation.image.0 as usize] {
             keep(function, &mut live, rotation.vector);
-            rotation.axis.iter().for_each(|axis| keep(function, &mut live, *axis));
+            if let Some(Axis::Of(axis)) = rotation.axis {
+                keep(function, &mut live, axis);
+            }
             if let Angle::Of(angle) = rotation.angle {
                 keep(function, &mut live, angle);
             }

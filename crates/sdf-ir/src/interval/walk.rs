@@ -7,9 +7,10 @@ use super::chain;
 use super::number::{product_up, sum_up};
 use super::operations;
 use super::plan::Plan;
-use super::rotation::{self, Angle, Turn};
+use super::rotation::{self, Angle, Axis, Turn};
 use super::slopes::{Sloped, Slopes};
 use crate::constant::Constant;
+use crate::number::Number;
 use crate::program::{
     Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
 };
@@ -111,7 +112,7 @@ impl Domain for Bounds {
     }
 
     fn turned(self, turn: &Turn<Bounds>) -> Bounds {
-        rotation::bounds(self, turn.vector, turn.axis)
+        rotation::bounds(self, turn.vector, turn.axis.as_ref())
     }
 
     fn either(_: &Bounds, a: &Bounds, b: &Bounds, _: bool) -> Bounds {
@@ -342,7 +343,7 @@ impl<D: Domain> Walk<D> {
                 let computed = D::binary(op, at(a), at(b), a == b);
                 match (op, frame.plan.rotation(a)) {
                     // What lies along the axis stays.
-                    (Binary::Dot, Some(turn)) if turn.axis == Some(b) => {
+                    (Binary::Dot, Some(turn)) if is_axis(turn.axis, b, at(b).bounds()) => {
                         computed.also(&D::binary(op, at(turn.vector), at(b), false))
                     }
                     _ => computed,
@@ -381,7 +382,10 @@ impl<D: Domain> Walk<D> {
             None => computed,
             Some(turn) => computed.turned(&Turn {
                 vector: at(turn.vector),
-                axis: turn.axis.map(at),
+                axis: turn.axis.map(|axis| match axis {
+                    Axis::Fixed(axis) => D::constant(Constant::Vec3(axis)),
+                    Axis::Of(axis) => *at(axis),
+                }),
                 angle: match turn.angle {
                     Angle::Of(angle) => Angle::Of(at(angle)),
                     Angle::Steady => Angle::Steady,
@@ -451,6 +455,19 @@ impl<D: Domain> Walk<D> {
             state = exit.iter().zip(&state).map(|(a, b)| D::either(stop, a, b, false)).collect();
         }
         write(function, frame, value, &state);
+    }
+}
+
+/// Whether a value certainly is the axis, of any length.
+fn is_axis(axis: Option<Axis<Value>>, value: Value, bounds: &Bounds) -> bool {
+    match axis {
+        None => false,
+        Some(Axis::Of(axis)) => axis == value,
+        Some(Axis::Fixed(axis)) => {
+            let mut unit = [0.0; 3];
+            f64::normalize(&axis, &mut unit);
+            [axis, unit].iter().any(|axis| *bounds == Bounds::constant(Constant::Vec3(*axis)))
+        }
     }
 }
 

@@ -10,6 +10,7 @@ mod bounds;
 mod chain;
 mod functions;
 mod growing;
+mod idiom;
 mod matrix;
 mod number;
 mod operations;

@@ -1,6 +1,8 @@
 //! Intervals, bounds and slopes hold what they say.
 
 mod answers;
+mod functions;
+mod idioms;
 mod operations;
 mod programs;
 mod random;

@@ -127,7 +127,7 @@ fn values_of_a_function_in_the_making() {
     // A branch that is decided, and one that is not.
     let below = b.binary(Binary::Less, root, two);
     let less = b.binary(Binary::Less, time, two);
-    let mut branch = |b: &mut Builder, condition| {
+    let branch = |b: &mut Builder, condition| {
         let then = b.open_region(&[]);
         let double = b.mul(root, two);
         b.close_region(vec![double]);

@@ -4,6 +4,7 @@
 //! made inside an `If` or a `Loop` is shared there and in the regions inside; one made outside is shared by all.
 
 use crate::constant::Constant;
+use crate::interval::Axis;
 use crate::program::{
     Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
     Ternary, Type, Unary, Value,
@@ -75,6 +76,14 @@ impl Builder {
     /// products that compute the image no longer show. The first note on an image stays.
     pub fn mark_rotation(&mut self, rotation: Rotation) {
         let Rotation { image, vector, .. } = rotation;
+        // An axis that is a constant needs no node.
+        let axis = rotation.axis.map(|axis| match axis {
+            Axis::Of(value) => match self.constant_of(value) {
+                Some(Constant::Vec3(axis)) => Axis::Fixed(axis),
+                _ => axis,
+            },
+            Axis::Fixed(_) => axis,
+        });
         assert!(
             self.ty(image).is_vector() && self.ty(image) == self.ty(vector),
             "a vector turns into its like"
@@ -83,7 +92,7 @@ impl Builder {
         if image != vector
             && let Err(place) = rotations.binary_search_by_key(&image, |rotation| rotation.image)
         {
-            rotations.insert(place, rotation);
+            rotations.insert(place, Rotation { axis, ..rotation });
         }
     }
 

@@ -5,7 +5,7 @@
 //! behind. `Links` says what the references to the rest of the program become.
 
 use crate::build::Builder;
-use crate::interval::Angle;
+use crate::interval::{Angle, Axis};
 use crate::program::{Function, FunctionId, Loop, Node, RegionId, Rotation, Type, Value};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -227,7 +227,10 @@ impl<'a> Copy<'a> {
         let Some(rotation) = self.source.rotation_of(value) else { return };
         let Copied::One(image) = self.copied[value.0 as usize] else { return };
         if let Some(vector) = self.copied_or_leaf(builder, rotation.vector) {
-            let axis = rotation.axis.and_then(|axis| self.copied_or_leaf(builder, axis));
+            let axis = rotation.axis.and_then(|axis| match axis {
+                Axis::Fixed(_) => Some(axis),
+                Axis::Of(axis) => self.copied_or_leaf(builder, axis).map(Axis::Of),
+            });
             let angle = match rotation.angle {
                 Angle::Of(angle) => self.copied_or_leaf(builder, angle).map_or(Angle::Unknown, Angle::Of),
                 angle => angle,

@@ -10,6 +10,7 @@ mod bounds;
 mod chain;
 mod functions;
 mod growing;
+mod idiom;
 mod matrix;
 mod number;
 mod operations;
@@ -22,7 +23,7 @@ mod walk;
 pub use bounds::Bounds;
 pub use growing::Growing;
 pub use number::Interval;
-pub use rotation::Angle;
+pub use rotation::{Angle, Axis};
 pub use slopes::{Sloped, Slopes};
 pub use walk::Domain;
 

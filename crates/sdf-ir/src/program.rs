@@ -7,7 +7,7 @@
 //! available everywhere in their function.
 
 use crate::constant::Constant;
-use crate::interval::Angle;
+use crate::interval::{Angle, Axis};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
@@ -348,7 +348,7 @@ pub struct Rotation {
     /// What is turned: a vec2 or vec3.
     pub vector: Value,
     /// The axis of a vec3, of any length but zero; `None` where it is not known, and for a vec2.
-    pub axis: Option<Value>,
+    pub axis: Option<Axis<Value>>,
     /// The angle in radians.
     pub angle: Angle<Value>,
 }

@@ -9,7 +9,7 @@
 use crate::value::{Number, Repr};
 use rustc_hash::FxHashMap;
 use sdf_ir::build::OpenRegions;
-use sdf_ir::interval::Angle;
+use sdf_ir::interval::{Angle, Axis};
 use sdf_ir::{
     Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Rotation, Ternary,
     Type, Unary,
@@ -411,7 +411,10 @@ impl Contexts {
             return;
         }
         let Some(vector) = self.already_at(vector, depth) else { return };
-        let axis = axis.and_then(|axis| self.already_at(axis, depth));
+        let axis = axis.and_then(|axis| match axis.repr {
+            Repr::Static(Constant::Vec3(axis)) => Some(Axis::Fixed(axis)),
+            _ => self.already_at(axis, depth).map(Axis::Of),
+        });
         let angle = match angle.repr {
             Repr::Static(_) | Repr::Frame(_) => Angle::Steady,
             _ => self.already_at(angle, depth).map_or(Angle::Unknown, Angle::Of),

@@ -1,7 +1,8 @@
 //! What a walk over a function wants to know beforehand: which nodes count, where arguments go, and what lies beside
 //! the nodes.
 
-use super::rotation::Angle;
+use super::idiom::{self, Idiom};
+use super::rotation::{Angle, Axis};
 use super::seam;
 use crate::copy::live;
 use crate::program::{Function, Node, RegionId, Rotation, Ternary, Type, Value};
@@ -24,6 +25,7 @@ struct Beside {
     rotation: Option<Rotation>,
     pair: Option<(Value, usize)>,
     seams: Option<Vec<[Value; 2]>>,
+    idiom: Option<Idiom>,
 }
 
 const NOTHING: u32 = u32::MAX;
@@ -32,7 +34,9 @@ impl Plan {
     /// That of a finished function.
     pub fn new(function: &Function) -> Plan {
         let pairs = pairs(function);
-        let live = live_with_rotations(function, &pairs);
+        let mut idioms: Vec<Option<Idiom>> =
+            (0..function.node_count()).map(|i| idiom::idiom(function, Value(i as u32))).collect();
+        let live = live_with_rotations(function, &pairs, &idioms);
         let mut plan = Plan {
             bodies: Vec::new(),
             arguments: vec![Vec::new(); function.region_count()],
@@ -57,7 +61,7 @@ impl Plan {
                 _ => false,
             };
         }
-        plan.look_beside(function, RegionId::ROOT, &pairs, &mut is_there);
+        plan.look_beside(function, RegionId::ROOT, &pairs, &mut idioms, &mut is_there);
         plan
     }
 
@@ -106,6 +110,11 @@ impl Plan {
         self.at(value)?.seams.as_deref()
     }
 
+    /// What makes a sum less steep than its terms.
+    pub fn idiom(&self, value: Value) -> Option<&Idiom> {
+        self.at(value)?.idiom.as_ref()
+    }
+
     fn at(&self, value: Value) -> Option<&Beside> {
         self.beside.get(self.index[value.0 as usize] as usize)
     }
@@ -116,6 +125,7 @@ impl Plan {
         function: &Function,
         region: RegionId,
         pairs: &FxHashMap<Value, (Value, usize)>,
+        idioms: &mut [Option<Idiom>],
         is_there: &mut [bool],
     ) {
         let arguments: Vec<Value> = self.arguments[region.0 as usize].iter().map(|(_, v)| *v).collect();
@@ -125,7 +135,7 @@ impl Plan {
         let body = self.bodies[region.0 as usize].clone();
         for value in &body {
             for owned in function.owned_regions(*value) {
-                self.look_beside(function, owned, pairs, is_there);
+                self.look_beside(function, owned, pairs, idioms, is_there);
             }
             let beside = Beside {
                 rotation: function.rotation_of(*value).and_then(|it| as_far_as_there(it, is_there)),
@@ -134,8 +144,12 @@ impl Plan {
                     Node::Ternary(Ternary::Select, ..) | Node::If(..) => seam::seams(function, *value),
                     _ => None,
                 },
+                idiom: idioms[value.0 as usize]
+                    .take()
+                    .filter(|it| !matches!(it, Idiom::Linear { vector, .. } if !is_there[vector.0 as usize])),
             };
-            if beside.rotation.is_some() || beside.pair.is_some() || beside.seams.is_some() {
+            let Beside { rotation, pair, seams, idiom } = &beside;
+            if rotation.is_some() || pair.is_some() || seams.is_some() || idiom.is_some() {
                 self.index[value.0 as usize] = self.beside.len() as u32;
                 self.beside.push(beside);
             }
@@ -153,7 +167,9 @@ impl Plan {
 fn as_far_as_there(it: &Rotation, is_there: &[bool]) -> Option<Rotation> {
     let there = |v: Value| is_there[v.0 as usize];
     there(it.vector).then(|| Rotation {
-        axis: it.axis.filter(|axis| there(*axis)),
+        axis: it
+            .axis
+            .filter(|axis| matches!(axis, Axis::Fixed(_)) || matches!(axis, Axis::Of(axis) if there(*axis))),
         angle: match it.angle {
             Angle::Of(angle) if !there(angle) => Angle::Unknown,
             angle => angle,
@@ -199,8 +215,17 @@ fn pairs(function: &Function) -> FxHashMap<Value, (Value, usize)> {
 
 /// What the results depend on, and what says more about that: the operands of rotations, and the images whose pairs
 /// are read.
-fn live_with_rotations(function: &Function, pairs: &FxHashMap<Value, (Value, usize)>) -> Vec<bool> {
+fn live_with_rotations(
+    function: &Function,
+    pairs: &FxHashMap<Value, (Value, usize)>,
+    idioms: &[Option<Idiom>],
+) -> Vec<bool> {
     let mut live = live(function);
+    for i in (0..live.len()).rev() {
+        if let (true, Some(Idiom::Linear { vector, .. })) = (live[i], &idioms[i]) {
+            keep(function, &mut live, *vector);
+        }
+    }
     let mut in_order: Vec<(&Value, &(Value, usize))> = pairs.iter().collect();
     in_order.sort();
     for (pair, (whole, _)) in in_order {
@@ -212,7 +237,9 @@ fn live_with_rotations(function: &Function, pairs: &FxHashMap<Value, (Value, usi
     for rotation in function.rotations().iter().rev() {
         if live[rotation.image.0 as usize] {
             keep(function, &mut live, rotation.vector);
-            rotation.axis.iter().for_each(|axis| keep(function, &mut live, *axis));
+            if let Some(Axis::Of(axis)) = rotation.axis {
+                keep(function, &mut live, axis);
+            }
             if let Angle::Of(angle) = rotation.angle {
                 keep(function, &mut live, angle);
             }

@@ -10,8 +10,17 @@ use crate::program::{Binary, Type, Unary};
 /// A vector, the axis that it is turned about (of any length; a vec2 has none), and the angle.
 pub struct Turn<'a, D> {
     pub vector: &'a D,
-    pub axis: Option<&'a D>,
+    pub axis: Option<D>,
     pub angle: Angle<&'a D>,
+}
+
+/// What is known of the axis of a rotation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Axis<V> {
+    /// It points this way.
+    Fixed([f64; 3]),
+    /// It is this value.
+    Of(V),
 }
 
 /// What is known of the angle of a rotation.
@@ -51,7 +60,7 @@ pub(crate) fn bounds(image: Bounds, vector: &Bounds, axis: Option<&Bounds>) -> B
 
 /// The same for how it moves.
 pub(crate) fn slopes(image: &Sloped, turn: &Turn<Sloped>) -> Sloped {
-    let axis = turn.axis.map(|axis| &axis.bounds);
+    let axis = turn.axis.as_ref().map(|axis| &axis.bounds);
     let bounds = bounds(image.bounds, &turn.vector.bounds, axis);
     if image.is_steady() {
         return Sloped::steady(bounds);

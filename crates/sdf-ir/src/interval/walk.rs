@@ -4,12 +4,14 @@
 
 use super::bounds::Bounds;
 use super::chain;
-use super::number::{product_up, sum_up};
+use super::idiom::Idiom;
+use super::number::{Interval, product_up, sum_up};
 use super::operations;
 use super::plan::Plan;
-use super::rotation::{self, Angle, Turn};
+use super::rotation::{self, Angle, Axis, Turn};
 use super::slopes::{Sloped, Slopes};
 use crate::constant::Constant;
+use crate::number::Number;
 use crate::program::{
     Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
 };
@@ -55,6 +57,12 @@ pub trait Domain: Copy {
     fn with_norm(self, norm: f64) -> Self;
     /// How far it moves with the point: a Lipschitz constant.
     fn norm(&self) -> f64;
+    /// Whether anything is known of how values move.
+    const MOVES: bool;
+    /// A number that moves as the first coordinate of the point does.
+    fn variable(bounds: &Bounds) -> Self;
+    /// How a number moves with the first coordinate of the point.
+    fn slope_by_variable(&self) -> Interval;
 }
 
 /// What a function's promise says at a call.
@@ -111,7 +119,7 @@ impl Domain for Bounds {
     }
 
     fn turned(self, turn: &Turn<Bounds>) -> Bounds {
-        rotation::bounds(self, turn.vector, turn.axis)
+        rotation::bounds(self, turn.vector, turn.axis.as_ref())
     }
 
     fn either(_: &Bounds, a: &Bounds, b: &Bounds, _: bool) -> Bounds {
@@ -132,6 +140,16 @@ impl Domain for Bounds {
 
     fn norm(&self) -> f64 {
         0.0
+    }
+
+    const MOVES: bool = false;
+
+    fn variable(bounds: &Bounds) -> Bounds {
+        *bounds
+    }
+
+    fn slope_by_variable(&self) -> Interval {
+        Interval::ALL
     }
 }
 
@@ -225,6 +243,16 @@ impl Domain for Sloped {
 
     fn norm(&self) -> f64 {
         self.slopes.norm()
+    }
+
+    const MOVES: bool = true;
+
+    fn variable(bounds: &Bounds) -> Sloped {
+        Sloped { bounds: *bounds, slopes: Slopes::identity(1) }
+    }
+
+    fn slope_by_variable(&self) -> Interval {
+        self.slopes.gradient(0)[0]
     }
 }
 
@@ -342,7 +370,7 @@ impl<D: Domain> Walk<D> {
                 let computed = D::binary(op, at(a), at(b), a == b);
                 match (op, frame.plan.rotation(a)) {
                     // What lies along the axis stays.
-                    (Binary::Dot, Some(turn)) if turn.axis == Some(b) => {
+                    (Binary::Dot, Some(turn)) if is_axis(turn.axis, b, at(b).bounds()) => {
                         computed.also(&D::binary(op, at(turn.vector), at(b), false))
                     }
                     _ => computed,
@@ -381,7 +409,10 @@ impl<D: Domain> Walk<D> {
             None => computed,
             Some(turn) => computed.turned(&Turn {
                 vector: at(turn.vector),
-                axis: turn.axis.map(at),
+                axis: turn.axis.map(|axis| match axis {
+                    Axis::Fixed(axis) => D::constant(Constant::Vec3(axis)),
+                    Axis::Of(axis) => *at(axis),
+                }),
                 angle: match turn.angle {
                     Angle::Of(angle) => Angle::Of(at(angle)),
                     Angle::Steady => Angle::Steady,
@@ -390,6 +421,47 @@ impl<D: Domain> Walk<D> {
             }),
         };
         frame.values[value.0 as usize] = computed;
+        if D::MOVES && frame.plan.idiom(value).is_some() {
+            self.apply_idiom(program, function, frame, value);
+        }
+    }
+
+    /// Lets a sum be as steep as what it is, where that is less than what its terms are together.
+    fn apply_idiom(&mut self, program: &Program, function: &Function, frame: &mut Frame<D>, value: Value) {
+        let plan = frame.plan.clone();
+        let norm = match plan.idiom(value) {
+            None => return,
+            Some(Idiom::Corner { vector, parts }) => {
+                let parts = read(frame, parts);
+                let together = D::compose(&parts.iter().collect::<Vec<_>>()).norm();
+                vector.map_or(together, |v| together.min(frame.values[v.0 as usize].norm()))
+            }
+            Some(Idiom::Linear { vector, norm }) => product_up(*norm, frame.values[vector.0 as usize].norm()),
+            Some(Idiom::Blend(blend)) => {
+                let at = |v: Value| frame.values[v.0 as usize];
+                let (a, b) = (at(blend.a).norm(), at(blend.b).norm());
+                if a.max(b) == 0.0 || !blend.others.iter().all(|v| at(*v).norm() == 0.0) {
+                    return;
+                }
+                // The slope of the bulge by |a - b|, as if that were the point.
+                let kept: Vec<D> = read(frame, &blend.way);
+                let apart = at(blend.apart);
+                frame.values[blend.apart.0 as usize] = D::variable(apart.bounds());
+                blend.way.iter().for_each(|node| self.node(program, function, frame, *node));
+                let slope = frame.values[blend.bulge.0 as usize].slope_by_variable();
+                for (node, kept) in blend.way.iter().zip(kept) {
+                    frame.values[node.0 as usize] = kept;
+                }
+                frame.values[blend.apart.0 as usize] = apart;
+                let t = if blend.is_rising { slope } else { slope.negated() };
+                // |1 - t|·|a'| + |t|·|b'|, or the other way round
+                let at = |t: f64| sum_up(sum_up(1.0, -t).abs(), t.abs());
+                let weights = if t.lo >= 0.0 && t.hi <= 1.0 { 1.0 } else { at(t.lo).max(at(t.hi)) };
+                product_up(weights, a.max(b))
+            }
+        };
+        let sum = &mut frame.values[value.0 as usize];
+        *sum = sum.with_norm(norm);
     }
 
     fn branch(
@@ -451,6 +523,19 @@ impl<D: Domain> Walk<D> {
             state = exit.iter().zip(&state).map(|(a, b)| D::either(stop, a, b, false)).collect();
         }
         write(function, frame, value, &state);
+    }
+}
+
+/// Whether a value certainly is the axis, of any length.
+fn is_axis(axis: Option<Axis<Value>>, value: Value, bounds: &Bounds) -> bool {
+    match axis {
+        None => false,
+        Some(Axis::Of(axis)) => axis == value,
+        Some(Axis::Fixed(axis)) => {
+            let mut unit = [0.0; 3];
+            f64::normalize(&axis, &mut unit);
+            [axis, unit].iter().any(|axis| *bounds == Bounds::constant(Constant::Vec3(*axis)))
+        }
     }
 }
 

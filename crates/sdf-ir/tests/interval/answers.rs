@@ -1,6 +1,6 @@
 //! Slopes that are known.
 
-use sdf_ir::interval::{Angle, Bounds, Interval, Sloped, Slopes};
+use sdf_ir::interval::{Angle, Axis, Bounds, Interval, Sloped, Slopes};
 use sdf_ir::{Binary, Builder, Constant, Parameter, Program, RegionId, Rotation, Type, Unary, Value};
 
 /// The result of a function of a point, over a box.
@@ -117,7 +117,7 @@ fn rotate(b: &mut Builder, v: Value, axis: Value, angle: Value) -> Value {
     let image = b.mul(v, c);
     let image = b.add(image, across);
     let image = b.add(image, along);
-    b.mark_rotation(Rotation { image, vector: v, axis: Some(axis), angle: Angle::Of(angle) });
+    b.mark_rotation(Rotation { image, vector: v, axis: Some(Axis::Of(axis)), angle: Angle::Of(angle) });
     image
 }
 

@@ -3,7 +3,7 @@
 
 use crate::random::Random;
 use sdf_ir::eval::{Machine, Tape, point};
-use sdf_ir::interval::{Angle, Bounds, Interval, Sloped, Walker};
+use sdf_ir::interval::{Angle, Axis, Bounds, Interval, Sloped, Walker};
 use sdf_ir::{
     Binary, Builder, Constant, Function, FunctionId, Parameter, Program, Role, Rotation, Ternary, Type,
     Unary, Uniform, Value,
@@ -179,7 +179,12 @@ impl Grow {
         let image = b.add(image, across);
         let image = b.add(image, along);
         if image != v {
-            b.mark_rotation(Rotation { image, vector: v, axis: Some(axis), angle: Angle::Of(angle) });
+            b.mark_rotation(Rotation {
+                image,
+                vector: v,
+                axis: Some(Axis::Of(axis)),
+                angle: Angle::Of(angle),
+            });
         }
         image
     }

@@ -56,6 +56,9 @@ pub struct Options {
     pub attack: Option<usize>,
     /// Whether the scene is to have its [`facts`](Scene::facts).
     pub facts: bool,
+    /// Whether the camera can be turned about its target from outside, by a uniform of the role
+    /// [`Orbit`](sdf_ir::Role::Orbit): for pages that let their users look around.
+    pub orbit: bool,
     /// Whether the scene is to have a [`probe`](Scene::probe).
     pub probe: bool,
 }

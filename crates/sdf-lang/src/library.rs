@@ -16,6 +16,7 @@ const STD: &[(&str, &str)] = &[
 /// The renderer: one file an effect.
 const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/pixel.sdf>", include_str!("../runtime/pixel.sdf")),
+    ("<runtime/camera.sdf>", include_str!("../runtime/camera.sdf")),
     ("<runtime/march.sdf>", include_str!("../runtime/march.sdf")),
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),

@@ -100,11 +100,11 @@ impl<'t> Elaborator<'t> {
         let Ok(shapes) = shapes else {
             // The settings are still checked, so that all mistakes are reported in one run.
             self.scene_parts = Vec::new();
-            let _: Eval<_> = self.settings();
+            let _: Eval<_> = self.settings(options);
             return Err(Reported);
         };
         self.scene_parts = shapes.clone();
-        let settings = self.settings()?;
+        let settings = self.settings(options)?;
         let painted = shapes.iter().any(|s| s.painted);
         let steep = shapes.iter().any(|s| s.steep);
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);

@@ -173,7 +173,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
                 Role::Mouse => format!(
                     "#define {name} (iMouse.xy == vec2(0.0) ? vec2(0.5) : iMouse.xy / iResolution.xy)\n"
                 ),
-                Role::Orbit | Role::Param { .. } => {
+                Role::Orbit { .. } | Role::Param { .. } => {
                     let ty = GLSL.ty(uniform.ty);
                     format!("const {ty} {name} = {}; // {}\n", constant(&uniform.default), meaning(uniform))
                 }
@@ -195,8 +195,8 @@ fn meaning(uniform: &Uniform) -> String {
         },
         Role::Time => "seconds".to_owned(),
         Role::Mouse => "the pointer, 0 to 1 from the bottom left".to_owned(),
-        Role::Orbit => {
-            "the camera about its target: angles round up and towards it, factor of its distance".to_owned()
+        Role::Orbit { .. } => {
+            "the camera about its target: two angles in radians, factor of its distance".to_owned()
         }
         Role::Resolution => RESOLUTION.to_owned(),
         Role::Param { range: Some((lo, hi)), .. } => {

@@ -151,7 +151,8 @@ fn program() -> Program {
 }
 
 fn header() -> Header {
-    Header { lines: vec!["sdfc 0.1.0".into(), "one pixel: at most 256 rounds \\".into()] }
+    let lines = vec!["sdfc 0.1.0".into(), "one pixel: at most 256 rounds \\".into()];
+    Header { lines, title: "a scene".into() }
 }
 
 #[test]

@@ -143,7 +143,6 @@ impl<'t> Elaborator<'t> {
     fn camera(&mut self, options: &Options) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
         let unbuilt = self.unbuilt_camera(&block);
-        let orbit = self.orbit(&block, options);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
         let fov = self.number_setting(&block, "fov", Constant::Float(FRAC_PI_4));
@@ -173,7 +172,7 @@ impl<'t> Elaborator<'t> {
                 "move `eye` away from `target`",
             ));
         }
-        let orbit = orbit?;
+        let orbit = self.orbit(&block, tilt_range([&eye, &target, &up]), options)?;
         let orbits = Number::constant(Constant::Bool(orbit.is_some()));
         let (turn, zoom) = orbit.unwrap_or((Number::constant(Constant::Vec2([0.0; 2])), Number::float(1.0)));
         Ok(fields([
@@ -189,7 +188,12 @@ impl<'t> Elaborator<'t> {
 
     /// How the camera is turned about its target, if it ever is: the angles round `up` and towards it, and the
     /// factor of its distance. The pointer in the middle leaves it where it is; the picture's width is a full turn.
-    fn orbit(&mut self, block: &Block<'t>, options: &Options) -> Eval<Option<(Number, Number)>> {
+    fn orbit(
+        &mut self,
+        block: &Block<'t>,
+        tilt: (f64, f64),
+        options: &Options,
+    ) -> Eval<Option<(Number, Number)>> {
         let asked = match block.fields.get("orbit") {
             None => Number::constant(Constant::Bool(false)),
             Some(expr) => {
@@ -198,7 +202,7 @@ impl<'t> Elaborator<'t> {
             }
         };
         if options.orbit {
-            let orbit = self.input("orbit", Type::Vec3, Role::Orbit);
+            let orbit = self.input("orbit", Type::Vec3, Role::Orbit { tilt });
             let zoom = self.component(&orbit, 2);
             return Ok(Some((orbit, zoom)));
         }
@@ -466,6 +470,21 @@ impl<'t> Elaborator<'t> {
             (Arc::from("relax"), Value::bool(relax == "auto")),
         ]))
     }
+}
+
+/// How far a camera can be tilted until it stands above or below its target, as `runtime/camera.sdf` does it; all
+/// round where it is not known where it stands.
+fn tilt_range([eye, target, up]: [&Number; 3]) -> (f64, f64) {
+    let vector = |n: &Number| match n.known() {
+        Some(Constant::Vec3(v)) => Some(DVec3::from_array(v)),
+        _ => None,
+    };
+    let (Some(eye), Some(target), Some(up)) = (vector(eye), vector(target), vector(up)) else {
+        return (-PI, PI);
+    };
+    let height = (eye - target).normalize_or_zero().dot(up.normalize_or_zero()).clamp(-1.0, 1.0).asin();
+    let steepest = 89f64.to_radians();
+    ((-steepest - height).min(0.0), (steepest - height).max(0.0))
 }
 
 fn fields<'t, const N: usize>(numbers: [(&str, Number); N]) -> Value<'t> {

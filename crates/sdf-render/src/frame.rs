@@ -34,7 +34,7 @@ impl Frame {
             Role::Setting => uniform.default,
             Role::Time => Constant::Float(self.time),
             Role::Mouse => Constant::Vec2(self.mouse),
-            Role::Orbit => Constant::Vec3(self.orbit),
+            Role::Orbit { .. } => Constant::Vec3(self.orbit),
             Role::Resolution => Constant::Vec2([f64::from(self.width), f64::from(self.height)]),
             Role::Param { .. } => {
                 let set = self.params.get(&*uniform.name).filter(|value| value.ty() == uniform.ty);

@@ -1,7 +1,7 @@
 //! What the command understands.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use sdfc::{Device, Language, Options};
+use sdfc::{Device, Format, Language, Options, Target};
 use std::path::PathBuf;
 
 /// The largest side of a picture, in pixels.
@@ -139,6 +139,25 @@ pub enum TargetName {
     Frag,
     /// A WGSL module
     Wgsl,
+    /// A page for browsers that runs by itself
+    Html,
+}
+
+impl TargetName {
+    /// The target that an extension names.
+    pub fn of_extension(extension: &str) -> Option<TargetName> {
+        TargetName::from_str(extension, true).ok()
+    }
+
+    /// What is written.
+    pub fn format(self) -> Format {
+        match self {
+            TargetName::Glsl => Format::Text(Target::Shadertoy),
+            TargetName::Frag => Format::Text(Target::GlslEs),
+            TargetName::Wgsl => Format::Text(Target::Wgsl),
+            TargetName::Html => Format::Page,
+        }
+    }
 }
 
 /// What of a compilation can be printed.

@@ -11,7 +11,7 @@ mod draw;
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
-pub use sdf_emit::Target;
+pub use sdf_emit::{Format, Target};
 pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
 pub use sdf_render::{Frame, Picture};
 
@@ -19,6 +19,7 @@ use sdf_emit::Header;
 use sdf_ir::Program;
 use sdf_syntax::tree::File;
 use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
+use std::path::Path;
 
 /// The version of the compiler.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -55,7 +56,8 @@ pub fn compile(name: &str, text: &str, options: &Options, clock: &mut Clock) -> 
         let program = clock.time("legalise", || sdf_ir::legalise(&scene.program));
         let cost = clock.time("cost", || Cost::of(&scene, &program));
         diagnostics.extend(cost.warning(&tree));
-        let header = cost::header(&scene.summary, &cost);
+        let title = Path::new(name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+        let header = cost::header(&title, &scene.summary, &cost);
         (scene, Shader { program, header, cost })
     });
     Compiled { sources, tree, diagnostics, output }
@@ -72,6 +74,12 @@ impl Shader {
     /// The text for a target, which naga has validated. An error is a mistake of the compiler's.
     pub fn text(&self, target: Target) -> Result<String, Diagnostic> {
         sdf_emit::emit(&self.program, target, &self.header)
+            .map_err(|error| invalid_shader(&error.to_string()))
+    }
+
+    /// The file of a format, made from what naga has validated. An error is a mistake of the compiler's.
+    pub fn file(&self, format: Format) -> Result<Vec<u8>, Diagnostic> {
+        sdf_emit::write(&self.program, format, &self.header)
             .map_err(|error| invalid_shader(&error.to_string()))
     }
 }

@@ -221,7 +221,7 @@ fn an_input_must_be_readable() {
 
 #[test]
 fn the_target_must_be_known() {
-    for extension in ["html", "spv", "metal", "hlsl"] {
+    for extension in ["spv", "metal", "hlsl"] {
         let message = format!("the target .{extension} is not built yet");
         refused_call(
             &format!("scene.sdf -o out.{extension}"),

@@ -1,0 +1,22 @@
+//! What a shader is written as: the texts that are printed here, and what is made from them.
+
+use crate::{EmitError, Header, Target, emit, page};
+use sdf_ir::Program;
+
+/// What a file holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// The text for a target.
+    Text(Target),
+    /// A page for browsers with WebGL2 that runs by itself. A program whose uniforms have one of the role
+    /// [`Orbit`](sdf_ir::Role::Orbit) lets the page's user look around.
+    Page,
+}
+
+/// The program as a file. What it is made from has been validated by naga.
+pub fn write(program: &Program, format: Format, header: &Header) -> Result<Vec<u8>, EmitError> {
+    match format {
+        Format::Text(target) => emit(program, target, header).map(String::into_bytes),
+        Format::Page => page::page(program, header).map(String::into_bytes),
+    }
+}

@@ -6,6 +6,7 @@
 //! nothing but the arguments, to the byte. Nothing here knows syntax, the names of shapes, files or drivers.
 #![warn(missing_docs)]
 
+mod back;
 mod bits;
 mod dialect;
 mod expression;
@@ -159,7 +160,13 @@ fn head(target: Target, header: &Header, wrapper: &Wrapper) -> String {
         Target::Glsl450 => "#version 450\n",
         Target::Shadertoy | Target::Wgsl => "",
     };
-    let described = if target == Target::Wgsl { wrapper.described() } else { Vec::new() };
+    let described = match target {
+        Target::Wgsl => {
+            let types = ["u32", "f32", "vec2f", "vec3f"];
+            wrapper::described(wrapper.program, wrapper.symbols, "group 0, binding 0", types)
+        }
+        _ => Vec::new(),
+    };
     let comments = header.lines.iter().chain(&described).map(|line| format!("{}\n", comment(line)));
     version.to_owned() + &comments.collect::<String>()
 }

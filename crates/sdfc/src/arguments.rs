@@ -141,6 +141,12 @@ pub enum TargetName {
     Wgsl,
     /// A page for browsers that runs by itself
     Html,
+    /// SPIR-V for Vulkan
+    Spv,
+    /// The Metal Shading Language
+    Metal,
+    /// HLSL for Direct3D
+    Hlsl,
 }
 
 impl TargetName {
@@ -156,6 +162,9 @@ impl TargetName {
             TargetName::Frag => Format::Text(Target::GlslEs),
             TargetName::Wgsl => Format::Text(Target::Wgsl),
             TargetName::Html => Format::Page,
+            TargetName::Spv => Format::SpirV,
+            TargetName::Metal => Format::Metal,
+            TargetName::Hlsl => Format::Hlsl,
         }
     }
 }

@@ -10,9 +10,6 @@ use sdf_syntax::{Code, Diagnostic, Severity};
 use sdfc::{Clock, Compiled, Format, Options};
 use std::path::Path;
 
-/// The extensions that will have a meaning.
-const NOT_BUILT_YET: [&str; 3] = ["spv", "metal", "hlsl"];
-
 /// Compiles a scene, and writes what was asked for.
 pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref().unwrap_or(Path::new("-"));
@@ -81,7 +78,7 @@ fn format(arguments: &CompileArguments) -> Result<Option<Format>, Failure> {
             .help("name it, for example `--target wgsl`"));
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase);
-    let known = "the targets are .glsl (Shadertoy), .frag (GLSL ES 3.00), .wgsl and .html";
+    let known = "the targets are .glsl (Shadertoy), .frag (GLSL ES 3.00), .wgsl, .html (a page), .spv, .metal and .hlsl";
     if let Some(name) = extension.as_deref().and_then(TargetName::of_extension) {
         return Ok(Some(name.format()));
     }
@@ -91,9 +88,6 @@ fn format(arguments: &CompileArguments) -> Result<Option<Format>, Failure> {
             shown(arguments.scene.as_deref()),
             path.display()
         ))),
-        Some(other) if NOT_BUILT_YET.contains(&other) => {
-            Err(Failure::call(format!("the target .{other} is not built yet")).help(known))
-        }
         Some(other) => Err(Failure::call(format!("no target is called .{other}"))
             .help(format!("{known}; `--target` overrides the extension"))),
         None => Err(Failure::call(format!("{} has no extension to tell the target by", path.display()))

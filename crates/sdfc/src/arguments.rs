@@ -9,7 +9,7 @@ const SIDE_LIMIT: u32 = 16_384;
 /// The most pixels of a picture.
 const PIXEL_LIMIT: u64 = 1 << 26;
 
-/// Compiles scenes (.sdf) to shaders in GLSL and WGSL, and draws them.
+/// Compiles scenes (.sdf) to shaders and pages, and draws them.
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "sdfc [OPTIONS] <SCENE> -o <FILE>\n       sdfc <COMMAND> [OPTIONS] …")]
@@ -193,6 +193,8 @@ pub enum ShaderLanguage {
     Wgsl,
     /// GLSL
     Glsl,
+    /// SPIR-V
+    Spirv,
 }
 
 impl From<ShaderLanguage> for Language {
@@ -200,6 +202,7 @@ impl From<ShaderLanguage> for Language {
         match language {
             ShaderLanguage::Wgsl => Language::Wgsl,
             ShaderLanguage::Glsl => Language::Glsl,
+            ShaderLanguage::Spirv => Language::SpirV,
         }
     }
 }

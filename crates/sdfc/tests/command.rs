@@ -220,14 +220,50 @@ fn an_input_must_be_readable() {
 }
 
 #[test]
-fn the_target_must_be_known() {
-    for extension in ["spv", "metal", "hlsl"] {
-        let message = format!("the target .{extension} is not built yet");
-        refused_call(
-            &format!("scene.sdf -o out.{extension}"),
-            &[&message, "help", ".glsl", ".frag", ".wgsl"],
-        );
+fn every_target_is_written_by_its_extension_and_printed_by_its_name() {
+    let begins: [(&str, &[u8]); 7] = [
+        ("glsl", b"// A scene of 2 shapes"),
+        ("frag", b"#version 300 es\n"),
+        ("wgsl", b"// A scene of 2 shapes"),
+        ("html", b"<!doctype html>\n"),
+        // The magic number and the version of SPIR-V, the lowest byte first.
+        ("spv", &[0x03, 0x02, 0x23, 0x07, 0x00, 0x00, 0x01, 0x00]),
+        ("metal", b"// A scene of 2 shapes"),
+        ("hlsl", b"// A scene of 2 shapes"),
+    ];
+    for (name, begin) in begins {
+        let folder = Folder::with_scene();
+        folder.run(&format!("scene.sdf -o out.{name}")).succeeds();
+        let file = folder.read(&format!("out.{name}"));
+        assert!(file.starts_with(begin), "{name}");
+        assert_eq!(folder.names(), [format!("out.{name}"), "scene.sdf".into()]);
+        assert!(folder.run(&format!("scene.sdf --target {name}")).succeeds().out == file, "{name}");
     }
+}
+
+/// A page holds the text of its own program, its params, and the name of the scene's file as a text; it asks for
+/// nothing from elsewhere.
+#[test]
+fn a_page_is_one_file() {
+    let folder = Folder::new(&[("a<b>&'c\".d.sdf", SCENE.as_bytes())]);
+    folder.run("a<b>&'c\".d.sdf -o out.html").succeeds();
+    let page = String::from_utf8(folder.read("out.html")).unwrap();
+    assert!(page.contains("<title>a&lt;b&gt;&amp;&#39;c&quot;.d</title>"), "{page}");
+    let param = r#"{"name": "spin", "uniform": "u_spin", "kind": "float", "low": 0, "high": 4, "value": 1}"#;
+    assert!(page.contains(param), "{page}");
+    for word in ["http:", "https:", "//cdn", "src=", "@import", "url("] {
+        assert!(!page.contains(word), "the page has {word}");
+    }
+    let program = page.split_once("x-shader/x-fragment\">").unwrap().1.split_once("</script>").unwrap().0;
+    assert!(program.starts_with("#version 300 es\n") && program.contains("uniform vec3 u_orbit;"));
+    // A param that is frozen has no slider.
+    folder.run("a<b>&'c\".d.sdf -o out.html --set spin=2").succeeds();
+    let page = String::from_utf8(folder.read("out.html")).unwrap();
+    assert!(!page.contains("u_spin") && page.contains("\"list\": [\n\n]"), "{page}");
+}
+
+#[test]
+fn the_target_must_be_known() {
     refused_call("scene.sdf -o out.txt", &["no target is called .txt", "--target"]);
     refused_call("scene.sdf -o out", &["out has no extension to tell the target by", "--target"]);
     refused_call(
@@ -236,7 +272,10 @@ fn the_target_must_be_known() {
     );
     refused_call("scene.sdf -o -", &["standard output does not tell which target", "--target"]);
     refused_call("scene.sdf", &["there is nothing to write", "-o scene.wgsl", "--target glsl"]);
-    refused_call("scene.sdf -o out.wgsl --target metal", &["--target", "glsl, frag, wgsl"]);
+    refused_call(
+        "scene.sdf -o out.wgsl --target dxil",
+        &["--target", "glsl, frag, wgsl, html, spv, metal, hlsl"],
+    );
     refused_call(
         "render scene.sdf -o out.wgsl",
         &["out.wgsl is not the name of a .png file", "without `render`"],

@@ -21,6 +21,7 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),
     ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
+    ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
 ];
 
 /// The trees of the files that are part of the compiler.

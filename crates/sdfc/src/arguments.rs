@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sdfc::{Device, Format, Language, Options, Target};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// The largest side of a picture, in pixels.
@@ -36,6 +37,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what is wrong with scenes, and write nothing
     Check(CheckArguments),
+    /// Print the distance, the gradient and the material at points
+    Query(QueryArguments),
 }
 
 /// `sdfc SCENE -o FILE`
@@ -102,6 +105,45 @@ pub struct CheckArguments {
     /// Print how long each stage took
     #[arg(long)]
     pub timings: bool,
+}
+
+/// `sdfc query SCENE POINT…`
+#[derive(Debug, Args)]
+pub struct QueryArguments {
+    /// The scene; `-` reads standard input
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Points as X,Y,Z; `-` reads them from standard input, one a line, where a `#` begins a comment
+    #[arg(required = true, value_name = "POINT")]
+    pub points: Vec<String>,
+    /// The time in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    pub time: f64,
+    /// Print an object of JSON a line, with all properties and all digits
+    #[arg(long)]
+    pub json: bool,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// The arguments of this process. A point may begin with a minus sign, which would make an option of it: a space
+/// before it says that it is none.
+pub fn arguments() -> impl Iterator<Item = OsString> {
+    std::env::args_os().map(|argument| match argument.to_str() {
+        Some(text) if is_negative_point(text) => format!(" {text}").into(),
+        _ => argument,
+    })
+}
+
+fn is_negative_point(text: &str) -> bool {
+    let mut rest = text.chars();
+    rest.next() == Some('-')
+        && rest.next().is_some_and(|c| c.is_ascii_digit() || c == '.')
+        && rest.any(|c| c == ',' || c.is_whitespace())
 }
 
 /// Values of params.

@@ -1,17 +1,20 @@
 //! The compiler from end to end: a source becomes a shader, and a shader a text or a picture.
 //!
 //! The typical way is `compile(name, text, &Options, &mut Clock) → Compiled`, then `Shader::text(target)` or
-//! `Shader::draw(&frame, &device, …)`. The command of the same name adds files, arguments and the terminal.
+//! `Shader::draw(&frame, &device, …)`; programs that need distances take a [`Field`]. The command of the same name adds files, arguments and the terminal.
 #![warn(missing_docs)]
 
 mod clock;
 mod cost;
 mod draw;
+mod field;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
+pub use field::{Field, Material, Property, Sample};
 pub use sdf_emit::{Format, Target};
+pub use sdf_ir::Constant;
 pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
 pub use sdf_render::{Frame, Picture};
 

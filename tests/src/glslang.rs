@@ -1,5 +1,6 @@
-//! The reference compiler of GLSL, a program of its own.
+//! The reference compiler of GLSL, a program of its own, which also reads HLSL, and the validator of SPIR-V.
 
+use std::path::Path;
 use std::process::Command;
 
 /// What it has against a whole fragment shader, if anything.
@@ -7,8 +8,33 @@ pub fn complaint(text: &str) -> Option<String> {
     let folder = tempfile::tempdir().expect("a folder for the shader");
     let path = folder.path().join("shader.frag");
     std::fs::write(&path, text).expect("a place for the shader");
-    let output = Command::new("glslangValidator").arg(&path).output();
-    let output = output
-        .unwrap_or_else(|error| panic!("this test needs glslangValidator (Debian: glslang-tools): {error}"));
-    (!output.status.success()).then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    run("glslangValidator", &[], &path).err()
+}
+
+/// What it makes of a stage (`vert` or `frag`) of a text in HLSL: SPIR-V.
+pub fn spir_v_of_hlsl(text: &str, stage: &str, entry: &str) -> Result<Vec<u8>, String> {
+    let folder = tempfile::tempdir().expect("a folder for the shader");
+    let [path, out] = ["shader.hlsl", "shader.spv"].map(|name| folder.path().join(name));
+    std::fs::write(&path, text).expect("a place for the shader");
+    let out_name = out.to_string_lossy();
+    run("glslangValidator", &["-D", "-V", "-S", stage, "-e", entry, "-o", &out_name], &path)?;
+    Ok(std::fs::read(&out).expect("a module"))
+}
+
+/// What the validator has against a module of SPIR-V for Vulkan 1.0, if anything.
+pub fn complaint_about_spir_v(bytes: &[u8]) -> Option<String> {
+    let folder = tempfile::tempdir().expect("a folder for the shader");
+    let path = folder.path().join("shader.spv");
+    std::fs::write(&path, bytes).expect("a place for the shader");
+    run("spirv-val", &["--target-env", "vulkan1.0"], &path).err()
+}
+
+/// Runs a program on a file; what it said if it failed.
+fn run(program: &str, arguments: &[&str], path: &Path) -> Result<(), String> {
+    let output = Command::new(program).args(arguments).arg(path).output();
+    let output = output.unwrap_or_else(|error| {
+        panic!("this test needs {program} (Debian: glslang-tools, spirv-tools): {error}")
+    });
+    let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    if output.status.success() { Ok(()) } else { Err(said.concat()) }
 }

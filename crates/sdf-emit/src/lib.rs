@@ -1,23 +1,28 @@
 //! Programs as text: GLSL and WGSL from one printer.
 //!
-//! The typical way is `(Program, Target, Header) → emit → text`. The program must be *legalised*: it holds only
+//! The typical way is `(Program, Target, Header) → emit → text`, or `(Program, Format, Header) → write → bytes` for
+//! files, which are texts and what is made from them. The program must be *legalised*: it holds only
 //! operations that every target computes alike. The text is what naga has read and validated; it depends on
 //! nothing but the arguments, to the byte. Nothing here knows syntax, the names of shapes, files or drivers.
 #![warn(missing_docs)]
 
+mod back;
 mod bits;
 mod dialect;
 mod expression;
+mod format;
 mod function;
 mod kernel;
 mod layout;
 mod names;
+mod page;
 mod plan;
 mod split;
 mod symbols;
 mod validate;
 mod wrapper;
 
+pub use format::{Format, write};
 pub use kernel::{KernelLanguage, emit_kernel};
 pub use layout::{UniformField, UniformLayout};
 pub use validate::{ValidationError, validate};
@@ -43,11 +48,14 @@ pub enum Target {
     Glsl450,
 }
 
-/// What stands at the head of a text. The lines are the caller's and must hold no text of a user.
+/// What stands at the head of a text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Header {
-    /// What was compiled, with which settings, effects and cost. What is not printable ASCII is replaced.
+    /// What was compiled, with which settings, effects and cost. The lines are the caller's and must hold no text of
+    /// a user. What is not printable ASCII is replaced.
     pub lines: Vec<String>,
+    /// What a page is called. It may hold any text.
+    pub title: String,
 }
 
 /// Why there is no text.
@@ -152,7 +160,13 @@ fn head(target: Target, header: &Header, wrapper: &Wrapper) -> String {
         Target::Glsl450 => "#version 450\n",
         Target::Shadertoy | Target::Wgsl => "",
     };
-    let described = if target == Target::Wgsl { wrapper.described() } else { Vec::new() };
+    let described = match target {
+        Target::Wgsl => {
+            let types = ["u32", "f32", "vec2f", "vec3f"];
+            wrapper::described(wrapper.program, wrapper.symbols, "group 0, binding 0", types)
+        }
+        _ => Vec::new(),
+    };
     let comments = header.lines.iter().chain(&described).map(|line| format!("{}\n", comment(line)));
     version.to_owned() + &comments.collect::<String>()
 }

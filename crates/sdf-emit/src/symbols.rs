@@ -86,10 +86,14 @@ fn uniform_names(program: &Program) -> Vec<String> {
     for fixed in ["resolution", "time", "mouse"] {
         names.give(fixed, fixed);
     }
+    if program.uniforms.iter().any(|u| matches!(u.role, Role::Orbit { .. })) {
+        names.give("orbit", "orbit");
+    }
     let name = |u: &Uniform| match u.role {
         Role::Resolution => "resolution".to_owned(),
         Role::Time => "time".to_owned(),
         Role::Mouse => "mouse".to_owned(),
+        Role::Orbit { .. } => "orbit".to_owned(),
         Role::Setting => names.give(&u.name.to_uppercase(), "SETTING"),
         Role::Param { .. } => names.give(&u.name, "param"),
     };

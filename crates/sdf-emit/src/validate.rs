@@ -1,9 +1,9 @@
 //! Nothing leaves this crate that naga has not read and validated.
 
 use crate::{KernelLanguage, Target};
-use naga::ShaderStage;
 use naga::front::{glsl, wgsl};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
 use std::fmt::{self, Display, Formatter};
 
 /// naga recurses as deep as the text does; the usual 2 MiB are too few.
@@ -44,8 +44,20 @@ pub(crate) fn validate_kernel(language: KernelLanguage, text: &str) -> Result<()
     }
 }
 
+/// What `read` makes of the module that a WGSL text is, if naga accepts it.
+pub(crate) fn with_wgsl<T: Send>(
+    text: &str,
+    read: impl FnOnce(&Module, &ModuleInfo) -> Result<T, String> + Send,
+) -> Result<T, ValidationError> {
+    deep(|| {
+        let module = wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+        let info = check(&module, text)?;
+        read(&module, &info)
+    })
+}
+
 /// Runs a check on a thread with enough stack.
-fn deep(check: impl FnOnce() -> Result<(), String> + Send) -> Result<(), ValidationError> {
+fn deep<T: Send>(check: impl FnOnce() -> Result<T, String> + Send) -> Result<T, ValidationError> {
     let thread = std::thread::Builder::new().name("naga".into()).stack_size(STACK);
     std::thread::scope(|scope| match thread.spawn_scoped(scope, check).map(|t| t.join()) {
         Ok(Ok(result)) => result,
@@ -57,17 +69,17 @@ fn deep(check: impl FnOnce() -> Result<(), String> + Send) -> Result<(), Validat
 
 fn check_wgsl(text: &str) -> Result<(), String> {
     let module = wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
-    check(&module, text)
+    check(&module, text).map(drop)
 }
 
 fn check_glsl(text: &str, stage: ShaderStage) -> Result<(), String> {
     let module = glsl::Frontend::default().parse(&glsl::Options::from(stage), text);
-    check(&module.map_err(|error| error.emit_to_string(text))?, text)
+    check(&module.map_err(|error| error.emit_to_string(text))?, text).map(drop)
 }
 
-fn check(module: &naga::Module, text: &str) -> Result<(), String> {
+fn check(module: &Module, text: &str) -> Result<ModuleInfo, String> {
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
-    validator.validate(module).map(drop).map_err(|error| error.emit_to_string(text))
+    validator.validate(module).map_err(|error| error.emit_to_string(text))
 }
 
 /// What Shadertoy puts before and after the text, as naga can read it.

@@ -88,37 +88,9 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
         if out.is_empty() { out } else { format!("\n{out}") }
     }
 
-    /// The members of the uniform block: type, name and offset.
-    fn block(&self) -> Vec<(Type, &str, usize)> {
-        let layout = UniformLayout::of(self.program);
-        let name = |uniform: Option<usize>| match uniform {
-            Some(i) => self.symbols.uniform_fields[i].as_str(),
-            None => "resolution",
-        };
-        layout.fields.iter().map(|f| (f.ty, name(f.uniform), f.offset)).collect()
-    }
-
-    /// What the block holds and where, as comment lines.
-    pub fn described(&self) -> Vec<String> {
-        let layout = UniformLayout::of(self.program);
-        let mut lines = vec![format!(
-            "one triangle of 3 vertices; the uniform block, group 0, binding 0, {} bytes:",
-            layout.size
-        )];
-        for (field, (ty, name, offset)) in layout.fields.iter().zip(self.block()) {
-            let ty = if ty == Type::Bool { "u32, 0 or 1" } else { crate::dialect::WGSL.ty(ty) };
-            let what = match field.uniform.map(|i| &self.program.uniforms[i]) {
-                Some(uniform) => meaning(uniform),
-                None => RESOLUTION.to_owned(),
-            };
-            lines.push(format!("  at {offset:>3}: {name}: {ty}, {what}"));
-        }
-        lines
-    }
-
     fn wgsl_block(&self) -> String {
         let mut out = String::from("struct Uniforms {\n");
-        for (ty, name, _) in self.block() {
+        for (ty, name, _) in block(self.program, self.symbols) {
             let ty = if ty == Type::Bool { "u32" } else { crate::dialect::WGSL.ty(ty) };
             writeln!(out, "    {name}: {ty},").expect("writing to a string cannot fail");
         }
@@ -128,7 +100,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
     fn glsl_block(&self) -> String {
         let mut members = String::new();
         let mut bools = String::new();
-        for (ty, name, _) in self.block() {
+        for (ty, name, _) in block(self.program, self.symbols) {
             if ty == Type::Bool {
                 members += &format!("    uint u_{name}_word;\n");
                 bools += &format!("#define u_{name} (u_{name}_word != 0u)\n");
@@ -173,7 +145,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
                 Role::Mouse => format!(
                     "#define {name} (iMouse.xy == vec2(0.0) ? vec2(0.5) : iMouse.xy / iResolution.xy)\n"
                 ),
-                Role::Param { .. } => {
+                Role::Orbit { .. } | Role::Param { .. } => {
                     let ty = GLSL.ty(uniform.ty);
                     format!("const {ty} {name} = {}; // {}\n", constant(&uniform.default), meaning(uniform))
                 }
@@ -181,6 +153,43 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
         }
         out
     }
+}
+
+/// The members of the uniform block: type, name and offset.
+fn block<'a>(program: &Program, symbols: &'a Symbols) -> Vec<(Type, &'a str, usize)> {
+    let layout = UniformLayout::of(program);
+    let name = |uniform: Option<usize>| match uniform {
+        Some(i) => symbols.uniform_fields[i].as_str(),
+        None => "resolution",
+    };
+    layout.fields.iter().map(|f| (f.ty, name(f.uniform), f.offset)).collect()
+}
+
+/// How to draw with a module that has both entries: what its uniform block holds and where, as comment lines. `types`
+/// are what the language calls an unsigned number, a float, and vectors of 2 and 3.
+pub(crate) fn described(
+    program: &Program,
+    symbols: &Symbols,
+    binding: &str,
+    types: [&str; 4],
+) -> Vec<String> {
+    let layout = UniformLayout::of(program);
+    let mut lines =
+        vec![format!("one triangle of 3 vertices; the uniform block, {binding}, {} bytes:", layout.size)];
+    for (field, (ty, name, offset)) in layout.fields.iter().zip(block(program, symbols)) {
+        let ty = match ty {
+            Type::Bool => format!("{}, 0 or 1", types[0]),
+            Type::Float => types[1].to_owned(),
+            Type::Vec2 => types[2].to_owned(),
+            Type::Vec3 => types[3].to_owned(),
+        };
+        let what = match field.uniform.map(|i| &program.uniforms[i]) {
+            Some(uniform) => meaning(uniform),
+            None => RESOLUTION.to_owned(),
+        };
+        lines.push(format!("  at {offset:>3}: {name}: {ty}, {what}"));
+    }
+    lines
 }
 
 const RESOLUTION: &str = "width and height of the picture in pixels";
@@ -195,6 +204,9 @@ fn meaning(uniform: &Uniform) -> String {
         },
         Role::Time => "seconds".to_owned(),
         Role::Mouse => "the pointer, 0 to 1 from the bottom left".to_owned(),
+        Role::Orbit { .. } => {
+            "the camera about its target: two angles in radians, factor of its distance".to_owned()
+        }
         Role::Resolution => RESOLUTION.to_owned(),
         Role::Param { range: Some((lo, hi)), .. } => {
             format!("{} to {}, at first {}", lo as f32, hi as f32, constant(&uniform.default))

@@ -1,6 +1,6 @@
 //! The text of a small program that has one of everything, for every target.
 
-use sdf_emit::{EmitError, Header, Target, emit};
+use sdf_emit::{EmitError, Format, Header, Target, emit, write};
 use sdf_ir::{
     Binary, Builder, Constant, FunctionId, Global, Parameter, Program, RegionId, Role, Ternary, Type, Unary,
     Uniform, Value,
@@ -151,7 +151,8 @@ fn program() -> Program {
 }
 
 fn header() -> Header {
-    Header { lines: vec!["sdfc 0.1.0".into(), "one pixel: at most 256 rounds \\".into()] }
+    let lines = vec!["sdfc 0.1.0".into(), "one pixel: at most 256 rounds \\".into()];
+    Header { lines, title: "a scene".into() }
 }
 
 #[test]
@@ -160,6 +161,35 @@ fn every_target() {
         let text = emit(&program(), target, &header()).unwrap_or_else(|e| panic!("{target:?}: {e}"));
         insta::assert_snapshot!(format!("{target:?}"), text);
     }
+}
+
+/// No text leaves its place in a page, whatever it is.
+#[test]
+fn a_page_is_not_broken_by_names() {
+    let page = |program: &Program, header: &Header| {
+        write(program, Format::Page, header).map(|bytes| String::from_utf8(bytes).unwrap())
+    };
+    let nasty = "</script><script>alert(1)</script><!--";
+    let mut program = program();
+    program.uniforms[2].name = nasty.into();
+    let header = Header { title: nasty.into(), ..Header::default() };
+    let text = page(&program, &header).unwrap();
+    let plain = page(&program, &Header::default()).unwrap();
+    assert_eq!(text.matches("</script").count(), 3);
+    assert_eq!(text.matches("<script").count(), plain.matches("<script").count());
+    assert!(text.contains(r#""name": "\u003c\u002fscript\u003e"#), "{text}");
+    let header = Header { lines: vec![nasty.into()], ..Header::default() };
+    assert!(matches!(page(&program, &header), Err(EmitError::Invalid(_))));
+}
+
+/// The page holds the text of the target for WebGL2 as it is.
+#[test]
+fn a_page_holds_its_shader() {
+    let text = String::from_utf8(write(&program(), Format::Page, &header()).unwrap()).unwrap();
+    let shader = emit(&program(), Target::GlslEs, &header()).unwrap();
+    assert!(
+        text.contains(&format!("<script id=\"fragment\" type=\"x-shader/x-fragment\">{shader}</script>"))
+    );
 }
 
 /// The functions are the same bytes in the three GLSL targets: from the first to the entry's end.
@@ -180,6 +210,9 @@ fn one_body_for_glsl() {
 fn the_same_program_gives_the_same_bytes() {
     for target in Target::ALL {
         assert_eq!(emit(&program(), target, &header()), emit(&program(), target, &header()));
+    }
+    for format in Format::ALL {
+        assert_eq!(write(&program(), format, &header()), write(&program(), format, &header()));
     }
 }
 

@@ -103,6 +103,7 @@ pub fn bounds_of_uniform(uniform: &Uniform) -> Bounds {
         Role::Mouse => Bounds::vector(&[Interval::UNIT; 2]),
         Role::Resolution => Bounds::vector(&[Interval::new(1.0, LARGEST); 2]),
         Role::Setting => Bounds::constant(uniform.default),
+        Role::Orbit { .. } => Bounds::vector(&[Interval::new(-LARGEST, LARGEST); 3]),
         Role::Param { range: Some((lo, hi)), .. } => Bounds::float(Interval::new(*lo, *hi)),
         Role::Param { color: true, .. } => Bounds::vector(&[Interval::UNIT; 3]),
         Role::Param { .. } => match uniform.ty {

@@ -486,6 +486,12 @@ pub enum Role {
     Mouse,
     /// The picture's width and height in pixels. A vec2.
     Resolution,
+    /// How the camera is turned about its target: the angles round `up` and towards it, in radians, and the factor of
+    /// its distance. A vec3.
+    Orbit {
+        /// The range of the second angle: up to the poles, where it is known how far they are.
+        tilt: (f64, f64),
+    },
     /// A setting that decides about accuracy: a named constant in every text, which a reader may change. Its value
     /// is always the default.
     Setting,

@@ -297,6 +297,9 @@ static FUNCTIONS: &[BuiltIn] = &[
     function("surrounding", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &Column::OF_GLOW, a, span)
     }),
+    function("properties", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
+        surface(e, &Column::ALL, a, span)
+    }),
 ];
 
 /// The properties of a shape's material at a point where the normal is known.

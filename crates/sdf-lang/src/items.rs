@@ -49,6 +49,7 @@ impl<'t> Elaborator<'t> {
     pub fn input(&mut self, name: &str, ty: Type, role: Role) -> Number {
         let default = match role {
             Role::Mouse => Constant::Vec2([0.5, 0.5]),
+            Role::Orbit { .. } => Constant::Vec3([0.0, 0.0, 1.0]),
             _ if ty == Type::Vec2 => Constant::Vec2([1.0, 1.0]),
             _ => Constant::Float(0.0),
         };

@@ -30,7 +30,7 @@ mod walk;
 
 pub use facts::{Basis, Class, Fact};
 
-use sdf_ir::{FunctionId, Program};
+use sdf_ir::{Constant, FunctionId, Program};
 use sdf_syntax::tree::File;
 use sdf_syntax::{Diagnostic, FileId, Severity, Sources};
 
@@ -56,8 +56,13 @@ pub struct Options {
     pub attack: Option<usize>,
     /// Whether the scene is to have its [`facts`](Scene::facts).
     pub facts: bool,
+    /// Whether the camera can be turned about its target from outside, by a uniform of the role
+    /// [`Orbit`](sdf_ir::Role::Orbit): for pages that let their users look around.
+    pub orbit: bool,
     /// Whether the scene is to have a [`probe`](Scene::probe).
     pub probe: bool,
+    /// Whether the scene is to have a [`query`](Scene::query).
+    pub query: bool,
 }
 
 /// What came of a file.
@@ -94,8 +99,24 @@ pub struct Scene {
     pub probe: Option<FunctionId>,
     /// What is proved of its shapes, if it was asked for.
     pub facts: Vec<Fact>,
+    /// The functions of a point for programs that ask, if they were asked for. The entry does not call them, so no
+    /// text has them.
+    pub query: Option<Query>,
     /// What was compiled in, for the header of the emitted text.
     pub summary: Summary,
+}
+
+/// Functions of a point in space, each with more results than the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Query {
+    /// `p: vec3 → distance`, negative inside; 1e20 and more of a scene that is nothing.
+    pub distance: FunctionId,
+    /// `p: vec3 → distance, gradient: vec3`
+    pub gradient: FunctionId,
+    /// `p: vec3 → distance, gradient: vec3, color: vec3, specular, shininess, emission: vec3, glow: vec3,
+    /// glow_radius, reflect, transmit, ior`: the properties of the material that the surface would have here, with
+    /// colours in linear light.
+    pub material: FunctionId,
 }
 
 /// What was compiled in.
@@ -107,6 +128,12 @@ pub struct Summary {
     pub settings: Vec<String>,
     /// The effects that the scene calls for.
     pub effects: Vec<&'static str>,
+}
+
+/// The properties of a material, and what each is where a material does not say, in the order of
+/// [`Query::material`].
+pub fn material_defaults() -> impl Iterator<Item = (&'static str, Constant)> {
+    surface::Column::ALL.into_iter().map(|column| (column.name(), column.default()))
 }
 
 /// Compiles a file. `name` is what messages call it.

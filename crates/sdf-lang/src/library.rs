@@ -16,10 +16,12 @@ const STD: &[(&str, &str)] = &[
 /// The renderer: one file an effect.
 const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/pixel.sdf>", include_str!("../runtime/pixel.sdf")),
+    ("<runtime/camera.sdf>", include_str!("../runtime/camera.sdf")),
     ("<runtime/march.sdf>", include_str!("../runtime/march.sdf")),
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),
     ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
+    ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
 ];
 
 /// The trees of the files that are part of the compiler.

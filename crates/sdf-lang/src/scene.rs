@@ -7,7 +7,7 @@ use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
-use crate::{Fact, Options, Scene, Summary};
+use crate::{Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::region::Extent;
 use sdf_ir::{Constant, FunctionId, Role, Type};
@@ -58,12 +58,18 @@ pub(crate) fn elaborate(
     let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
         let mut program = contexts.into_program();
         program.entry = Some(made.pixel);
-        let roots: Vec<_> = made.map.into_iter().chain(made.probe).collect();
+        let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
+        let roots: Vec<_> = made.map.into_iter().chain(made.probe).chain(asked).collect();
         let (program, kept) = sdf_ir::simplify(&program, &roots);
         debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
         let mut kept = kept.into_iter();
         let map = made.map.and_then(|_| kept.next());
-        Scene { map, probe: kept.next(), program, facts: made.facts, summary: made.summary }
+        let probe = made.probe.and_then(|_| kept.next());
+        let query = match (kept.next(), kept.next(), kept.next()) {
+            (Some(distance), Some(gradient), Some(material)) => Some(Query { distance, gradient, material }),
+            _ => None,
+        };
+        Scene { map, probe, query, program, facts: made.facts, summary: made.summary }
     });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -83,12 +89,17 @@ pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
 /// At how many points a promise is tried whenever a file is compiled.
 const ATTACK: usize = 400;
 
+/// What a function of a pixel takes, and one of a point.
+const COORDINATE: (&str, Type) = ("coordinate", Type::Vec2);
+const POINT: (&str, Type) = ("p", Type::Vec3);
+
 /// The functions of a scene, in the program that is being made.
 struct Made {
     map: Option<FunctionId>,
     pixel: FunctionId,
     probe: Option<FunctionId>,
     facts: Vec<Fact>,
+    query: Option<Query>,
     summary: Summary,
 }
 
@@ -100,11 +111,11 @@ impl<'t> Elaborator<'t> {
         let Ok(shapes) = shapes else {
             // The settings are still checked, so that all mistakes are reported in one run.
             self.scene_parts = Vec::new();
-            let _: Eval<_> = self.settings();
+            let _: Eval<_> = self.settings(options);
             return Err(Reported);
         };
         self.scene_parts = shapes.clone();
-        let settings = self.settings()?;
+        let settings = self.settings(options)?;
         let painted = shapes.iter().any(|s| s.painted);
         let steep = shapes.iter().any(|s| s.steep);
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
@@ -136,8 +147,9 @@ impl<'t> Elaborator<'t> {
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         fields.push((Arc::from("faces"), self.faces()?));
         let scene = Value::record(fields);
-        let pixel = self.entry("pixel", scene.clone())?;
-        let probe = if options.probe { Some(self.entry("probe", scene)?) } else { None };
+        let pixel = self.entry("pixel", COORDINATE, &scene)?;
+        let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
+        let query = if options.query { Some(self.query(&scene)?) } else { None };
         let Value::Shape(map) = map else { unreachable!("a shape was named") };
         let map_id = match &map.kind {
             ShapeKind::Named { inner, .. } => {
@@ -145,7 +157,7 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok(Made { map: map_id, pixel, probe, facts, summary })
+        Ok(Made { map: map_id, pixel, probe, query, facts, summary })
     }
 
     /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
@@ -177,14 +189,23 @@ impl<'t> Elaborator<'t> {
         Ok(!distance?.is_local())
     }
 
-    /// A function of a pixel's coordinate: the renderer's of this name, with the scene filled in.
-    fn entry(&mut self, name: &str, scene: Value<'t>) -> Eval<FunctionId> {
+    fn query(&mut self, scene: &Value<'t>) -> Eval<Query> {
+        Ok(Query {
+            distance: self.entry("query_distance", POINT, scene)?,
+            gradient: self.entry("query_gradient", POINT, scene)?,
+            material: self.entry("query_material", POINT, scene)?,
+        })
+    }
+
+    /// A function of one parameter: the renderer's of this name, with the scene filled in.
+    fn entry(&mut self, name: &str, (parameter, ty): (&str, Type), scene: &Value<'t>) -> Eval<FunctionId> {
         let [function] = self.names.runtime.functions[name][..] else {
             unreachable!("the renderer has one function `{name}`")
         };
         self.contexts.open(&Arc::from(name), None);
-        let coordinate = self.contexts.entry_parameter("coordinate", Type::Vec2);
-        let arguments = [(Arc::from("scene"), scene), (Arc::from("coordinate"), Value::Number(coordinate))];
+        let argument = self.contexts.entry_parameter(parameter, ty);
+        let arguments =
+            [(Arc::from("scene"), scene.clone()), (Arc::from(parameter), Value::Number(argument))];
         let results = self
             .evaluate_body(function, Module::Runtime, &arguments)
             .and_then(|value| self.flatten(&value, function.name.span));

@@ -1,13 +1,16 @@
 //! The blocks of settings: checked, completed with defaults, and handed to the renderer as records.
 
+use crate::Options;
+use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::value::{Callable, Env, Module, Number, Value};
 use glam::DVec3;
-use sdf_ir::{Binary, Constant, Role, Type, Unary, Uniform};
+use sdf_ir::{Binary, Constant, Role, Ternary, Type, Unary, Uniform};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
 use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -120,8 +123,8 @@ impl<'t> Elaborator<'t> {
     }
 
     /// All settings as the record that the renderer takes.
-    pub fn settings(&mut self) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
-        let camera = self.camera();
+    pub fn settings(&mut self, options: &Options) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
+        let camera = self.camera(options);
         let lights = self.lights();
         let ambient = self.ambient();
         let sky = self.sky();
@@ -137,15 +140,15 @@ impl<'t> Elaborator<'t> {
         ])
     }
 
-    fn camera(&mut self) -> Eval<Value<'t>> {
+    fn camera(&mut self, options: &Options) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
         let unbuilt = self.unbuilt_camera(&block);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
-        let fov = self.number_setting(&block, "fov", Constant::Float(std::f64::consts::FRAC_PI_4));
+        let fov = self.number_setting(&block, "fov", Constant::Float(FRAC_PI_4));
         let (mut target, up, fov) = (target?, up?, fov?);
         if let Some(Constant::Float(x)) = fov.known()
-            && !(x > 0.0 && x < std::f64::consts::PI)
+            && !(x > 0.0 && x < PI)
         {
             let span = block.fields.get("fov").map_or(Span::default(), |e| e.span);
             return self.report(errors::out_of_range(span, "`fov`", "more than 0 and less than 180deg"));
@@ -169,26 +172,61 @@ impl<'t> Elaborator<'t> {
                 "move `eye` away from `target`",
             ));
         }
-        Ok(fields([("eye", eye), ("target", target), ("up", up), ("fov", fov)]))
+        let orbit = self.orbit(&block, tilt_range([&eye, &target, &up]), options)?;
+        let orbits = Number::constant(Constant::Bool(orbit.is_some()));
+        let (turn, zoom) = orbit.unwrap_or((Number::constant(Constant::Vec2([0.0; 2])), Number::float(1.0)));
+        Ok(fields([
+            ("eye", eye),
+            ("target", target),
+            ("up", up),
+            ("fov", fov),
+            ("orbits", orbits),
+            ("turn", turn),
+            ("zoom", zoom),
+        ]))
     }
 
-    /// The kinds of cameras that nothing draws yet.
+    /// How the camera is turned about its target, if it ever is: the angles round `up` and towards it, and the
+    /// factor of its distance. The pointer in the middle leaves it where it is; the picture's width is a full turn.
+    fn orbit(
+        &mut self,
+        block: &Block<'t>,
+        tilt: (f64, f64),
+        options: &Options,
+    ) -> Eval<Option<(Number, Number)>> {
+        let asked = match block.fields.get("orbit") {
+            None => Number::constant(Constant::Bool(false)),
+            Some(expr) => {
+                let value = self.eval(expr, &Env::new(Module::User))?;
+                self.as_typed(value, Type::Bool, expr.span)?
+            }
+        };
+        if options.orbit {
+            let orbit = self.input("orbit", Type::Vec3, Role::Orbit { tilt });
+            let zoom = self.component(&orbit, 2);
+            return Ok(Some((orbit, zoom)));
+        }
+        if asked.known() == Some(Constant::Bool(false)) {
+            return Ok(None);
+        }
+        let mouse = self.input("mouse", Type::Vec2, Role::Mouse);
+        let middle = Number::constant(Constant::Vec2([0.5; 2]));
+        let offset = self.contexts.apply(Op::Binary(Binary::Subtract), &[middle, mouse]);
+        let turns = Number::constant(Constant::Vec2([TAU, PI]));
+        let turn = self.contexts.apply(Op::Binary(Binary::Multiply), &[offset, turns]);
+        let still = Number::constant(Constant::Vec2([0.0; 2]));
+        let turn = self.contexts.apply(Op::Ternary(Ternary::Select), &[asked, turn, still]);
+        Ok(Some((turn, Number::float(1.0))))
+    }
+
+    /// The kind of camera that nothing draws yet.
     fn unbuilt_camera(&mut self, block: &Block<'t>) -> Eval<()> {
-        let projection = self.word_setting(block, "projection", &["perspective", "orthographic"]);
-        let projection = match projection {
-            Ok("orthographic") => {
+        match self.word_setting(block, "projection", &["perspective", "orthographic"])? {
+            "orthographic" => {
                 self.refuse(block, "projection", "the orthographic projection", "use `perspective` for now")
             }
-            other => other.map(|_| ()),
-        };
-        let Some(expr) = block.fields.get("orbit") else { return projection };
-        let value = self.eval(expr, &Env::new(Module::User))?;
-        let orbit = self.as_typed(value, Type::Bool, expr.span)?;
-        if orbit.known() != Some(Constant::Bool(false)) {
-            let instead = "move `eye` by `mouse` or `time` for now";
-            self.refuse(block, "orbit", "the orbiting camera", instead)?;
+            _ => Ok(()),
         }
-        projection
     }
 
     /// The camera that frames the bounded parts of the scene from direction (1, 0.7, 1.5).
@@ -434,6 +472,21 @@ impl<'t> Elaborator<'t> {
     }
 }
 
+/// How far a camera can be tilted until it stands above or below its target, as `runtime/camera.sdf` does it; all
+/// round where it is not known where it stands.
+fn tilt_range([eye, target, up]: [&Number; 3]) -> (f64, f64) {
+    let vector = |n: &Number| match n.known() {
+        Some(Constant::Vec3(v)) => Some(DVec3::from_array(v)),
+        _ => None,
+    };
+    let (Some(eye), Some(target), Some(up)) = (vector(eye), vector(target), vector(up)) else {
+        return (-PI, PI);
+    };
+    let height = (eye - target).normalize_or_zero().dot(up.normalize_or_zero()).clamp(-1.0, 1.0).asin();
+    let steepest = 89f64.to_radians();
+    ((-steepest - height).min(0.0), (steepest - height).max(0.0))
+}
+
 fn fields<'t, const N: usize>(numbers: [(&str, Number); N]) -> Value<'t> {
     Value::record(numbers.into_iter().map(|(n, v)| (Arc::from(n), Value::Number(v))).collect())
 }
@@ -469,8 +522,7 @@ fn sky_function<'t>(low: &'t Expr, high: Option<&'t Expr>) -> Value<'t> {
         let high_color = e.as_typed(high_value, Type::Vec3, high.span)?;
         let up = e.component(&direction, 1);
         let up = e.binary(Binary::Max, &up, &Number::float(0.0), span)?;
-        let mixed =
-            e.contexts.apply(crate::context::Op::Ternary(sdf_ir::Ternary::Mix), &[low_color, high_color, up]);
+        let mixed = e.contexts.apply(Op::Ternary(Ternary::Mix), &[low_color, high_color, up]);
         e.finite(mixed, span).map(Value::Number)
     }))))
 }

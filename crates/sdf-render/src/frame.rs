@@ -14,14 +14,17 @@ pub struct Frame {
     pub time: f64,
     /// The pointer, 0..1 from the bottom left.
     pub mouse: [f64; 2],
+    /// How the camera is turned about its target, in a program that allows it: the angles round `up` and towards
+    /// it, in radians, and the factor of its distance.
+    pub orbit: [f64; 3],
     /// Values of params by their names in the source; the others have their defaults.
     pub params: BTreeMap<String, Constant>,
 }
 
 impl Frame {
-    /// A picture of this size at time 0, with the pointer in the middle and every param at its default.
+    /// A picture of this size at time 0, with the pointer in the middle, the camera as it is and every param at its default.
     pub fn new(width: u32, height: u32) -> Frame {
-        Frame { width, height, time: 0.0, mouse: [0.5, 0.5], params: BTreeMap::new() }
+        Frame { width, height, time: 0.0, mouse: [0.5, 0.5], orbit: [0.0, 0.0, 1.0], params: BTreeMap::new() }
     }
 
     /// The value of each of the program's uniforms, in order. A param of another type than the program's is as
@@ -31,6 +34,7 @@ impl Frame {
             Role::Setting => uniform.default,
             Role::Time => Constant::Float(self.time),
             Role::Mouse => Constant::Vec2(self.mouse),
+            Role::Orbit { .. } => Constant::Vec3(self.orbit),
             Role::Resolution => Constant::Vec2([f64::from(self.width), f64::from(self.height)]),
             Role::Param { .. } => {
                 let set = self.params.get(&*uniform.name).filter(|value| value.ty() == uniform.ty);

@@ -47,6 +47,14 @@ pub enum Shader<'a> {
     Wgsl(&'a str),
     /// GLSL 450: a fragment shader to draw, a compute shader to compute.
     Glsl450(&'a str),
+    /// SPIR-V, to draw, as it is given to a Vulkan driver: a module with `vs_main` and one with `fs_main`, which may
+    /// be the same. It must be valid, since nothing looks at it before the driver does.
+    SpirV {
+        /// The bytes of the module with `vs_main`.
+        vertex: &'a [u8],
+        /// The bytes of the module with `fs_main`.
+        fragment: &'a [u8],
+    },
 }
 
 /// Why there is no result.
@@ -143,8 +151,11 @@ impl Gpu {
             wanted: preference.clone(),
             found: adapters.iter().map(|a| device_name(a).name).collect(),
         })?;
-        let descriptor =
-            wgpu::DeviceDescriptor { required_limits: adapter.limits(), ..wgpu::DeviceDescriptor::default() };
+        let descriptor = wgpu::DeviceDescriptor {
+            required_limits: adapter.limits(),
+            required_features: adapter.features() & wgpu::Features::PASSTHROUGH_SHADERS,
+            ..wgpu::DeviceDescriptor::default()
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::failed("opening the device", error))?;
         let complaint = Arc::new(Mutex::new(None));
@@ -275,6 +286,35 @@ impl Gpu {
         self.module(match shader {
             Shader::Wgsl(text) => wgpu::ShaderSource::Wgsl(text.into()),
             Shader::Glsl450(text) => wgpu::ShaderSource::Glsl { shader: text.into(), stage, defines: &[] },
+            Shader::SpirV { vertex, fragment } => {
+                return match stage {
+                    wgpu::naga::ShaderStage::Vertex => self.spir_v(vertex),
+                    wgpu::naga::ShaderStage::Fragment => self.spir_v(fragment),
+                    _ => Err(GpuError::failed("compiling the shader", "SPIR-V is taken to draw only")),
+                };
+            }
+        })
+    }
+
+    /// A module that goes to the driver as it is.
+    fn spir_v(&self, bytes: &[u8]) -> Result<wgpu::ShaderModule, GpuError> {
+        if !self.device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS) {
+            return Err(GpuError::failed("compiling the shader", "this device takes no SPIR-V"));
+        }
+        let (words, rest) = bytes.as_chunks::<4>();
+        if !rest.is_empty() {
+            return Err(GpuError::failed("compiling the shader", "SPIR-V comes in words of four bytes"));
+        }
+        let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
+        let entry = |name| wgpu::PassthroughShaderEntryPoint { name, workgroup_size: (1, 1, 1) };
+        let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+            entry_points: ["vs_main", "fs_main"].map(|name| entry(name.into())).to_vec().into(),
+            spirv: Some(words.into()),
+            ..wgpu::ShaderModuleDescriptorPassthrough::default()
+        };
+        // SAFETY: the caller has promised that the module is valid.
+        self.guarded("compiling the shader", || unsafe {
+            self.device.create_shader_module_passthrough(descriptor)
         })
     }
 
@@ -327,6 +367,7 @@ impl Gpu {
         let (vertex, entry_point) = match shader {
             Shader::Wgsl(_) => (fragment.clone(), "fs_main"),
             Shader::Glsl450(_) => (self.module(wgpu::ShaderSource::Wgsl(VERTEX.into()))?, "main"),
+            Shader::SpirV { .. } => (self.shader(shader, wgpu::naga::ShaderStage::Vertex)?, "fs_main"),
         };
         let layout = self.pipeline_layout(layout)?;
         let targets = [Some(wgpu::TextureFormat::Rgba8Unorm.into())];

@@ -1,7 +1,8 @@
 //! What the command understands.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use sdfc::{Device, Language, Options};
+use sdfc::{Device, Format, Language, Options, Target};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// The largest side of a picture, in pixels.
@@ -9,7 +10,7 @@ const SIDE_LIMIT: u32 = 16_384;
 /// The most pixels of a picture.
 const PIXEL_LIMIT: u64 = 1 << 26;
 
-/// Compiles scenes (.sdf) to shaders in GLSL and WGSL, and draws them.
+/// Compiles scenes (.sdf) to shaders and pages, and draws them.
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true, subcommand_negates_reqs = true)]
 #[command(override_usage = "sdfc [OPTIONS] <SCENE> -o <FILE>\n       sdfc <COMMAND> [OPTIONS] …")]
@@ -36,6 +37,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what is wrong with scenes, and write nothing
     Check(CheckArguments),
+    /// Print the distance, the gradient and the material at points
+    Query(QueryArguments),
 }
 
 /// `sdfc SCENE -o FILE`
@@ -104,6 +107,45 @@ pub struct CheckArguments {
     pub timings: bool,
 }
 
+/// `sdfc query SCENE POINT…`
+#[derive(Debug, Args)]
+pub struct QueryArguments {
+    /// The scene; `-` reads standard input
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Points as X,Y,Z; `-` reads them from standard input, one a line, where a `#` begins a comment
+    #[arg(required = true, value_name = "POINT")]
+    pub points: Vec<String>,
+    /// The time in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    pub time: f64,
+    /// Print an object of JSON a line, with all properties and all digits
+    #[arg(long)]
+    pub json: bool,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// The arguments of this process. A point may begin with a minus sign, which would make an option of it: a space
+/// before it says that it is none.
+pub fn arguments() -> impl Iterator<Item = OsString> {
+    std::env::args_os().map(|argument| match argument.to_str() {
+        Some(text) if is_negative_point(text) => format!(" {text}").into(),
+        _ => argument,
+    })
+}
+
+fn is_negative_point(text: &str) -> bool {
+    let mut rest = text.chars();
+    rest.next() == Some('-')
+        && rest.next().is_some_and(|c| c.is_ascii_digit() || c == '.')
+        && rest.any(|c| c == ',' || c.is_whitespace())
+}
+
 /// Values of params.
 #[derive(Debug, Args, Default, PartialEq)]
 pub struct SetArguments {
@@ -139,6 +181,34 @@ pub enum TargetName {
     Frag,
     /// A WGSL module
     Wgsl,
+    /// A page for browsers that runs by itself
+    Html,
+    /// SPIR-V for Vulkan
+    Spv,
+    /// The Metal Shading Language
+    Metal,
+    /// HLSL for Direct3D
+    Hlsl,
+}
+
+impl TargetName {
+    /// The target that an extension names.
+    pub fn of_extension(extension: &str) -> Option<TargetName> {
+        TargetName::from_str(extension, true).ok()
+    }
+
+    /// What is written.
+    pub fn format(self) -> Format {
+        match self {
+            TargetName::Glsl => Format::Text(Target::Shadertoy),
+            TargetName::Frag => Format::Text(Target::GlslEs),
+            TargetName::Wgsl => Format::Text(Target::Wgsl),
+            TargetName::Html => Format::Page,
+            TargetName::Spv => Format::SpirV,
+            TargetName::Metal => Format::Metal,
+            TargetName::Hlsl => Format::Hlsl,
+        }
+    }
 }
 
 /// What of a compilation can be printed.
@@ -165,6 +235,8 @@ pub enum ShaderLanguage {
     Wgsl,
     /// GLSL
     Glsl,
+    /// SPIR-V
+    Spirv,
 }
 
 impl From<ShaderLanguage> for Language {
@@ -172,6 +244,7 @@ impl From<ShaderLanguage> for Language {
         match language {
             ShaderLanguage::Wgsl => Language::Wgsl,
             ShaderLanguage::Glsl => Language::Glsl,
+            ShaderLanguage::Spirv => Language::SpirV,
         }
     }
 }

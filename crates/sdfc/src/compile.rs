@@ -7,17 +7,14 @@ use crate::listing::listing;
 use crate::output::{Output, print};
 use crate::terminal::Terminal;
 use sdf_syntax::{Code, Diagnostic, Severity};
-use sdfc::{Clock, Compiled, Options, Target};
+use sdfc::{Clock, Compiled, Format, Options};
 use std::path::Path;
-
-/// The extensions that will have a meaning.
-const NOT_BUILT_YET: [&str; 4] = ["html", "spv", "metal", "hlsl"];
 
 /// Compiles a scene, and writes what was asked for.
 pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Failure> {
     let scene = arguments.scene.as_deref().unwrap_or(Path::new("-"));
-    let target = target(arguments)?;
-    let output = match (&arguments.output, target) {
+    let format = format(arguments)?;
+    let output = match (&arguments.output, format) {
         (Some(path), _) => Some(Output::prepare(path, scene)?),
         (None, Some(_)) => Some(Output::Standard),
         (None, None) => None,
@@ -29,17 +26,20 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
 
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(scene, terminal))?;
-    let options = Options { facts: arguments.emit.contains(&Stage::Facts), ..arguments.set.options() };
+    // Whoever looks at a page can look around.
+    let orbit = format == Some(Format::Page);
+    let facts = arguments.emit.contains(&Stage::Facts);
+    let options = Options { orbit, facts, ..arguments.set.options() };
     let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     if !arguments.emit.is_empty() {
         print(listing(&arguments.emit, &source.text, &compiled).as_bytes())?;
     }
     let shader = shader(&compiled)?;
-    if let (Some(output), Some(target)) = (&output, target) {
-        let text = clock.time("write and validate", || shader.text(target));
-        let text = text.map_err(|bug| our_mistake(bug, &compiled, terminal))?;
-        clock.time("save", || output.write(text.as_bytes()))?;
+    if let (Some(output), Some(format)) = (&output, format) {
+        let file = clock.time("write and validate", || shader.file(format));
+        let file = file.map_err(|bug| our_mistake(bug, &compiled, terminal))?;
+        clock.time("save", || output.write(&file))?;
     }
     if arguments.timings {
         terminal.timings(&clock);
@@ -62,13 +62,9 @@ pub fn our_mistake(bug: Diagnostic, compiled: &Compiled, terminal: &Terminal) ->
 }
 
 /// What to write: by the name, else by the extension, else nothing if something is printed instead.
-fn target(arguments: &CompileArguments) -> Result<Option<Target>, Failure> {
+fn format(arguments: &CompileArguments) -> Result<Option<Format>, Failure> {
     if let Some(name) = arguments.target {
-        return Ok(Some(match name {
-            TargetName::Glsl => Target::Shadertoy,
-            TargetName::Frag => Target::GlslEs,
-            TargetName::Wgsl => Target::Wgsl,
-        }));
+        return Ok(Some(name.format()));
     }
     let Some(path) = &arguments.output else {
         return match arguments.emit.is_empty() {
@@ -79,22 +75,19 @@ fn target(arguments: &CompileArguments) -> Result<Option<Target>, Failure> {
     };
     if input::is_dash(path) {
         return Err(Failure::call("standard output does not tell which target is wanted")
-            .help("name it: `--target glsl`, `--target frag` or `--target wgsl`"));
+            .help("name it, for example `--target wgsl`"));
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase);
-    let known = "the targets are .glsl (Shadertoy), .frag (GLSL ES 3.00) and .wgsl";
+    let known = "the targets are .glsl (Shadertoy), .frag (GLSL ES 3.00), .wgsl, .html (a page), .spv, .metal and .hlsl";
+    if let Some(name) = extension.as_deref().and_then(TargetName::of_extension) {
+        return Ok(Some(name.format()));
+    }
     match extension.as_deref() {
-        Some("glsl") => Ok(Some(Target::Shadertoy)),
-        Some("frag") => Ok(Some(Target::GlslEs)),
-        Some("wgsl") => Ok(Some(Target::Wgsl)),
         Some("png") => Err(Failure::call("a picture is drawn by `sdfc render`").help(format!(
             "write `sdfc render {} -o {}`",
             shown(arguments.scene.as_deref()),
             path.display()
         ))),
-        Some(other) if NOT_BUILT_YET.contains(&other) => {
-            Err(Failure::call(format!("the target .{other} is not built yet")).help(known))
-        }
         Some(other) => Err(Failure::call(format!("no target is called .{other}"))
             .help(format!("{known}; `--target` overrides the extension"))),
         None => Err(Failure::call(format!("{} has no extension to tell the target by", path.display()))

@@ -51,8 +51,9 @@ fn too_costly(span: Span, iterations: u64) -> Diagnostic {
         .help("lower `steps`, `antialias` or the number of lights with shadows")
 }
 
-/// What stands at the head of each text. It holds nothing that a user wrote.
-pub(crate) fn header(summary: &Summary, cost: &Cost) -> Header {
+/// What stands at the head of each text. Its lines hold nothing that a user wrote.
+/// The title is the name of the scene's file.
+pub(crate) fn header(title: &str, summary: &Summary, cost: &Cost) -> Header {
     let shapes = match summary.shapes {
         1 => "1 shape".to_string(),
         n => format!("{n} shapes"),
@@ -77,5 +78,5 @@ pub(crate) fn header(summary: &Summary, cost: &Cost) -> Header {
     if cost.iterations > ITERATION_LIMIT {
         lines.push(format!("Warning: drivers are likely to give up above {ITERATION_LIMIT} rounds."));
     }
-    Header { lines }
+    Header { lines, title: title.to_owned() }
 }

@@ -27,6 +27,8 @@ pub enum Language {
     Wgsl,
     /// GLSL.
     Glsl,
+    /// SPIR-V, which the driver is given as it is.
+    SpirV,
 }
 
 /// Is told the part of a picture that is done, 0 to 1, perhaps by several threads at once.
@@ -104,9 +106,9 @@ impl Shader {
         progress: Progress,
         clock: &mut Clock,
     ) -> Result<Drawing, DrawError> {
-        use crate::Target;
+        use crate::{Format, Target};
         use sdf_emit::UniformLayout;
-        use sdf_render::gpu::{DevicePreference, Gpu, Shader as Text};
+        use sdf_render::gpu::{DevicePreference, Gpu, Shader as Source};
 
         /// The side of the tiles that are drawn at once, in pixels: small enough that no driver loses patience.
         const TILE: u32 = 128;
@@ -117,22 +119,24 @@ impl Shader {
         };
         let failed = |error: sdf_render::gpu::GpuError| DrawError::Device(error.to_string());
         let gpu = clock.time("open the device", || Gpu::new(&preference)).map_err(failed)?;
-        let target = match language {
-            Language::Wgsl => Target::Wgsl,
-            Language::Glsl => Target::Glsl450,
+        let format = match language {
+            Language::Wgsl => Format::Text(Target::Wgsl),
+            Language::Glsl => Format::Text(Target::Glsl450),
+            Language::SpirV => Format::SpirV,
         };
-        let text = clock.time("write and validate", || self.text(target));
-        let text = text.map_err(DrawError::Shader)?;
-        let text = match language {
-            Language::Wgsl => Text::Wgsl(&text),
-            Language::Glsl => Text::Glsl450(&text),
+        let file = clock.time("write and validate", || self.file(format)).map_err(DrawError::Shader)?;
+        let text = || std::str::from_utf8(&file).expect("a text is UTF-8");
+        let shader = match language {
+            Language::Wgsl => Source::Wgsl(text()),
+            Language::Glsl => Source::Glsl450(text()),
+            Language::SpirV => Source::SpirV { vertex: &file, fragment: &file },
         };
         let size = [frame.width, frame.height];
         let values = frame.uniforms(&self.program);
         let uniforms = UniformLayout::of(&self.program).bytes(size, &values);
         let mut tell = |done: u32, of: u32| progress(f64::from(done) / f64::from(of));
         let rgba =
-            clock.time("draw", || gpu.render(text, size, &uniforms, TILE, &mut tell)).map_err(failed)?;
+            clock.time("draw", || gpu.render(shader, size, &uniforms, TILE, &mut tell)).map_err(failed)?;
         let picture = Picture { width: frame.width, height: frame.height, rgba };
         Ok(Drawing { picture, device: gpu.name().name.clone(), fallback: None })
     }

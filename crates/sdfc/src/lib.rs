@@ -1,17 +1,20 @@
 //! The compiler from end to end: a source becomes a shader, and a shader a text or a picture.
 //!
 //! The typical way is `compile(name, text, &Options, &mut Clock) → Compiled`, then `Shader::text(target)` or
-//! `Shader::draw(&frame, &device, …)`. The command of the same name adds files, arguments and the terminal.
+//! `Shader::draw(&frame, &device, …)`; programs that need distances take a [`Field`]. The command of the same name adds files, arguments and the terminal.
 #![warn(missing_docs)]
 
 mod clock;
 mod cost;
 mod draw;
+mod field;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
-pub use sdf_emit::Target;
+pub use field::{Field, Material, Property, Sample};
+pub use sdf_emit::{Format, Target};
+pub use sdf_ir::Constant;
 pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
 pub use sdf_render::{Frame, Picture};
 
@@ -19,6 +22,7 @@ use sdf_emit::Header;
 use sdf_ir::Program;
 use sdf_syntax::tree::File;
 use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
+use std::path::Path;
 
 /// The version of the compiler.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -55,7 +59,8 @@ pub fn compile(name: &str, text: &str, options: &Options, clock: &mut Clock) -> 
         let program = clock.time("legalise", || sdf_ir::legalise(&scene.program));
         let cost = clock.time("cost", || Cost::of(&scene, &program));
         diagnostics.extend(cost.warning(&tree));
-        let header = cost::header(&scene.summary, &cost);
+        let title = Path::new(name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+        let header = cost::header(&title, &scene.summary, &cost);
         (scene, Shader { program, header, cost })
     });
     Compiled { sources, tree, diagnostics, output }
@@ -72,6 +77,12 @@ impl Shader {
     /// The text for a target, which naga has validated. An error is a mistake of the compiler's.
     pub fn text(&self, target: Target) -> Result<String, Diagnostic> {
         sdf_emit::emit(&self.program, target, &self.header)
+            .map_err(|error| invalid_shader(&error.to_string()))
+    }
+
+    /// The file of a format, made from what naga has validated. An error is a mistake of the compiler's.
+    pub fn file(&self, format: Format) -> Result<Vec<u8>, Diagnostic> {
+        sdf_emit::write(&self.program, format, &self.header)
             .map_err(|error| invalid_shader(&error.to_string()))
     }
 }

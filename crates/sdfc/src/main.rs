@@ -1,4 +1,4 @@
-//! The command `sdfc`: scenes to shaders and pictures.
+//! The command `sdfc`: scenes to shaders, pages, pictures and distances.
 //!
 //! Standard output carries the artefact alone; all else goes to standard error.
 
@@ -12,6 +12,7 @@ mod input;
 mod listing;
 mod output;
 mod progress;
+mod query;
 mod render;
 mod terminal;
 
@@ -25,7 +26,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet. Without it a layer of the Vulkan loader writes to the terminal.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     bug::explain_panics();
-    let arguments = Arguments::parse();
+    let arguments = Arguments::parse_from(arguments::arguments());
     let terminal = Terminal::new(arguments.color);
     match run(&arguments, &terminal) {
         Ok(()) => ExitCode::SUCCESS,
@@ -47,5 +48,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
     match command {
         Command::Render(arguments) => render::run(arguments, terminal),
         Command::Check(arguments) => check::run(arguments, terminal),
+        Command::Query(arguments) => query::run(arguments, terminal),
     }
 }

@@ -1,6 +1,6 @@
 //! `sdfc render scene.sdf -o scene.png`
 
-use crate::arguments::RenderArguments;
+use crate::arguments::{RenderArguments, TargetName};
 use crate::compile::{our_mistake, shader};
 use crate::failure::Failure;
 use crate::input;
@@ -49,7 +49,7 @@ fn must_be_png(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     let failure = Failure::call(format!("{} is not the name of a .png file", path.display()));
     Err(match path.extension().and_then(|extension| extension.to_str()) {
-        Some("glsl" | "frag" | "wgsl") => failure.help(format!(
+        Some(extension) if TargetName::of_extension(extension).is_some() => failure.help(format!(
             "a shader is written without `render`: `sdfc {} -o {}`",
             arguments.scene.display(),
             path.display()

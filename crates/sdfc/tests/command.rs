@@ -220,14 +220,50 @@ fn an_input_must_be_readable() {
 }
 
 #[test]
-fn the_target_must_be_known() {
-    for extension in ["html", "spv", "metal", "hlsl"] {
-        let message = format!("the target .{extension} is not built yet");
-        refused_call(
-            &format!("scene.sdf -o out.{extension}"),
-            &[&message, "help", ".glsl", ".frag", ".wgsl"],
-        );
+fn every_target_is_written_by_its_extension_and_printed_by_its_name() {
+    let begins: [(&str, &[u8]); 7] = [
+        ("glsl", b"// A scene of 2 shapes"),
+        ("frag", b"#version 300 es\n"),
+        ("wgsl", b"// A scene of 2 shapes"),
+        ("html", b"<!doctype html>\n"),
+        // The magic number and the version of SPIR-V, the lowest byte first.
+        ("spv", &[0x03, 0x02, 0x23, 0x07, 0x00, 0x00, 0x01, 0x00]),
+        ("metal", b"// A scene of 2 shapes"),
+        ("hlsl", b"// A scene of 2 shapes"),
+    ];
+    for (name, begin) in begins {
+        let folder = Folder::with_scene();
+        folder.run(&format!("scene.sdf -o out.{name}")).succeeds();
+        let file = folder.read(&format!("out.{name}"));
+        assert!(file.starts_with(begin), "{name}");
+        assert_eq!(folder.names(), [format!("out.{name}"), "scene.sdf".into()]);
+        assert!(folder.run(&format!("scene.sdf --target {name}")).succeeds().out == file, "{name}");
     }
+}
+
+/// A page holds the text of its own program, its params, and the name of the scene's file as a text; it asks for
+/// nothing from elsewhere.
+#[test]
+fn a_page_is_one_file() {
+    let folder = Folder::new(&[("a<b>&'c\".d.sdf", SCENE.as_bytes())]);
+    folder.run("a<b>&'c\".d.sdf -o out.html").succeeds();
+    let page = String::from_utf8(folder.read("out.html")).unwrap();
+    assert!(page.contains("<title>a&lt;b&gt;&amp;&#39;c&quot;.d</title>"), "{page}");
+    let param = r#"{"name": "spin", "uniform": "u_spin", "kind": "float", "low": 0, "high": 4, "value": 1}"#;
+    assert!(page.contains(param), "{page}");
+    for word in ["http:", "https:", "//cdn", "src=", "@import", "url("] {
+        assert!(!page.contains(word), "the page has {word}");
+    }
+    let program = page.split_once("x-shader/x-fragment\">").unwrap().1.split_once("</script>").unwrap().0;
+    assert!(program.starts_with("#version 300 es\n") && program.contains("uniform vec3 u_orbit;"));
+    // A param that is frozen has no slider.
+    folder.run("a<b>&'c\".d.sdf -o out.html --set spin=2").succeeds();
+    let page = String::from_utf8(folder.read("out.html")).unwrap();
+    assert!(!page.contains("u_spin") && page.contains("\"list\": [\n\n]"), "{page}");
+}
+
+#[test]
+fn the_target_must_be_known() {
     refused_call("scene.sdf -o out.txt", &["no target is called .txt", "--target"]);
     refused_call("scene.sdf -o out", &["out has no extension to tell the target by", "--target"]);
     refused_call(
@@ -236,7 +272,10 @@ fn the_target_must_be_known() {
     );
     refused_call("scene.sdf -o -", &["standard output does not tell which target", "--target"]);
     refused_call("scene.sdf", &["there is nothing to write", "-o scene.wgsl", "--target glsl"]);
-    refused_call("scene.sdf -o out.wgsl --target metal", &["--target", "glsl, frag, wgsl"]);
+    refused_call(
+        "scene.sdf -o out.wgsl --target dxil",
+        &["--target", "glsl, frag, wgsl, html, spv, metal, hlsl"],
+    );
     refused_call(
         "render scene.sdf -o out.wgsl",
         &["out.wgsl is not the name of a .png file", "without `render`"],
@@ -482,4 +521,72 @@ fn a_file_is_replaced_only_by_a_whole_one() {
     assert_eq!(folder.read("a.wgsl"), before);
     assert!(Path::new(&folder.path("a.wgsl")).exists());
     assert_eq!(folder.names(), ["a.wgsl", "scene.sdf"]);
+}
+
+const QUERIED: &str = "param size = 1 in 0..3
+scene { sphere(size).paint(material { color: #fff, shininess: 5 }), box(1).at(0, time, 10).paint(#f00) }\n";
+
+#[test]
+fn points_are_told_their_distances() {
+    let folder = Folder::new(&[("scene.sdf", QUERIED.as_bytes())]);
+    let line = "{\"point\":[-1,-2,-2],\"distance\":2,\"gradient\":[-0.3333333333333333,-0.6666666666666666,\
+                -0.6666666666666666],\"material\":{\"color\":[1,1,1],\"specular\":0.2,\"shininess\":5,\"emission\":[0,0,0],\
+                \"glow\":[0,0,0],\"glow_radius\":0.25,\"reflect\":0,\"transmit\":0,\"ior\":1.5}}\n";
+    assert_eq!(folder.run("query scene.sdf -1,-2,-2 --json").succeeds().text(), line);
+    assert_eq!(folder.run("query --json scene.sdf -1,-2,-2 -1,-2,-2").succeeds().text(), line.repeat(2));
+    // Of the material, the colour and what the scene sets.
+    let table = folder.run("query scene.sdf -.5,0,0 0,3,10 --set size=2 --time 1").succeeds();
+    let rows: Vec<Vec<&str>> = table.text().lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(rows[0], ["point", "distance", "gradient", "color", "shininess"]);
+    let [zero, one] = ["0.000000", "1.000000"];
+    assert_eq!(rows[1][..4], ["-0.500000", zero, zero, "-1.500000"]);
+    assert_eq!(rows[1][4..], ["-1.000000", zero, zero, one, one, one, "5.000000"]);
+    assert_eq!(rows[2][..4], [zero, "3.000000", "10.000000", one]);
+    assert_eq!(rows[2][4..], [zero, one, zero, one, zero, zero, "32.000000"]);
+    assert_eq!(rows.len(), 3);
+    let widths: Vec<usize> = table.text().lines().map(str::len).collect();
+    assert!(widths.iter().all(|width| *width == widths[0]), "{}", table.text());
+}
+
+#[test]
+fn points_come_from_standard_input_too() {
+    let folder = Folder::new(&[("scene.sdf", QUERIED.as_bytes())]);
+    let input = b"# points\r\n2,0,0\n\n  0 -3\t0 # below\n";
+    let read = folder.run_with("query scene.sdf 0,0,0 - --json", input).succeeds();
+    let expected = folder.run("query scene.sdf 0,0,0 2,0,0 0,-3,0 --json").succeeds();
+    assert_eq!(read.text(), expected.text());
+    assert_eq!(read.text().lines().count(), 3);
+    assert_eq!(folder.run_with("query scene.sdf -", b"# none\n").succeeds().text(), "");
+    let many: String = (0..100_000).map(|i| format!("{i},0,0\n")).collect();
+    let many = folder.run_with("query scene.sdf - --json", many.as_bytes()).succeeds();
+    for (i, line) in many.text().lines().enumerate() {
+        assert!(line.starts_with(&format!("{{\"point\":[{i},0,0],\"distance\":")), "{line}");
+    }
+    assert_eq!(many.text().lines().count(), 100_000);
+}
+
+#[test]
+fn wrong_queries_are_explained() {
+    let folder = Folder::new(&[("scene.sdf", QUERIED.as_bytes()), ("wrong.sdf", b"scene { spere(1) }")]);
+    let fails = |arguments: &str, input: &[u8], code: i32, words: &[&str]| {
+        folder.run_with(arguments, input).fails(code, words);
+    };
+    fails("query scene.sdf", b"", 2, &["required", "<POINT>"]);
+    fails("query scene.sdf 1,2", b"", 2, &["`1,2` is not a point", "help", "1,0.5,-2"]);
+    fails("query scene.sdf -1,2,nan", b"", 2, &["`-1,2,nan` is not a point"]);
+    fails("query scene.sdf -", b"1,2,3\n\n1,2\n", 2, &["line 3 of standard input, `1,2`, is not a point"]);
+    fails("query scene.sdf -", b"1,2,\xff", 2, &["standard input", "UTF-8"]);
+    fails("query - -", b"1,2,3\n", 2, &["cannot both come from standard input"]);
+    fails("query scene.sdf 0,0,0 --set speed=1", b"", 2, &["no param `speed`"]);
+    fails("query scene.sdf 0,0,0 --jsn", b"", 2, &["--jsn"]);
+    fails("query wrong.sdf 0,0,0", b"", 1, &["spere", "did you mean `sphere`?"]);
+    fails("query none.sdf 0,0,0", b"", 2, &["cannot read none.sdf"]);
+}
+
+#[test]
+fn a_scene_that_is_nothing_is_infinitely_far_away() {
+    let folder = Folder::new(&[("scene.sdf", b"scene { }")]);
+    let run = folder.run("query scene.sdf 1,2,3 --json");
+    assert_eq!((run.code, run.err.contains("nothing in this scene")), (Some(0), true), "{}", run.err);
+    assert!(run.text().starts_with(r#"{"point":[1,2,3],"distance":null,"gradient":[0,0,0],"material":{"#));
 }

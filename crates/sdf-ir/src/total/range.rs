@@ -250,7 +250,7 @@ impl Walk<'_> {
             Role::Time => Range::new(0.0, f64::INFINITY),
             Role::Resolution => Range::new(1.0, 1e6),
             Role::Param { range: Some((lo, hi)), .. } => Range::rounded(lo.min(hi), lo.max(hi)),
-            Role::Mouse | Role::Setting | Role::Param { .. } => Range::ALL,
+            Role::Mouse | Role::Orbit { .. } | Role::Setting | Role::Param { .. } => Range::ALL,
         }
     }
 

@@ -27,10 +27,9 @@ const CALL_LIMIT: u32 = 1024;
 pub(crate) const LOOP_LIMIT: usize = 65_536;
 /// How many nodes a program may have.
 const NODE_LIMIT: usize = 1_000_000;
-/// How often a scene is gone over: for its map, its materials, its frame and its camera.
-const PASSES: usize = 4;
-/// How many expressions elaboration may evaluate: what bounds the time of a nested expansion.
-const WORK_LIMIT: usize = 8_000_000;
+/// How many nodes may be made for each that a program may have: a scene is gone over for its map, its materials, its
+/// frame and its camera, and much of what is made for materials is looked at only once.
+const PASSES: usize = 16;
 
 /// The state of an item while it is needed.
 #[derive(Debug, Clone)]
@@ -71,7 +70,16 @@ pub(crate) struct Elaborator<'t> {
     pub active: HashMap<*const (), u32>,
     /// How many calls that is together.
     pub calls: u32,
+    /// Whether what is evaluated is inside a loop of `iterate`.
+    pub in_loop: bool,
+    /// The expressions evaluated so far.
     pub work: usize,
+    /// How many may be.
+    pub work_limit: usize,
+    /// What calls gave.
+    pub memos: crate::memo::Memos<'t>,
+    /// How large shapes are.
+    pub sizes: crate::expansion::Sizes<'t>,
     /// How far rays have to go in a scene that the camera frames by itself.
     pub framed: Option<f64>,
     /// What of the user's file is being evaluated.
@@ -93,16 +101,16 @@ impl<'t> Elaborator<'t> {
 
     /// The line of the user's file that a place is in; none for the library's.
     pub fn line(&self, span: Span) -> Option<u32> {
-        (span.file == crate::USER_FILE).then(|| self.sources.line_column(span.file, span.start).0 as u32)
+        (span.file == crate::USER_FILE).then(|| self.sources.line(span.file, span.start) as u32)
     }
 
     /// Counts one piece of work, and refuses to do too much of it.
-    fn count(&mut self, span: Span) -> Eval<()> {
+    pub fn count(&mut self, span: Span) -> Eval<()> {
         if span.file == crate::USER_FILE {
             self.place = span;
         }
         self.work += 1;
-        if self.work <= WORK_LIMIT && self.contexts.nodes <= PASSES * NODE_LIMIT {
+        if self.work <= self.work_limit && self.contexts.nodes <= PASSES * NODE_LIMIT {
             return Ok(());
         }
         // It is said once; whatever is evaluated from now on is given up at once.
@@ -481,6 +489,7 @@ impl<'t> Elaborator<'t> {
         match value {
             Value::Number(n) => out.push(n.clone()),
             Value::Record(r) => {
+                self.count(span)?;
                 for (name, v) in &r.fields {
                     let first = out.len();
                     self.flatten_into(v, span, out)?;
@@ -490,6 +499,7 @@ impl<'t> Elaborator<'t> {
                 }
             }
             Value::List(l) => {
+                self.count(span)?;
                 for v in &l.items {
                     self.flatten_into(v, span, out)?;
                 }

@@ -2,7 +2,7 @@
 //! one that never promises too much, and sampled at the centres of cells that are split where it may be zero.
 
 use crate::eval::Elaborator;
-use crate::scene::OPERATION_LIMIT;
+use crate::expansion::OPERATION_LIMIT;
 use crate::value::Shape;
 use glam::DVec3;
 use sdf_ir::cost::operations;

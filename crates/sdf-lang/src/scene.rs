@@ -3,6 +3,7 @@
 use crate::context::Contexts;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
+use crate::expansion::{OPERATION_LIMIT, Size};
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
@@ -47,6 +48,10 @@ pub(crate) fn elaborate(
         active: HashMap::new(),
         calls: 0,
         work: 0,
+        work_limit: 0,
+        in_loop: false,
+        memos: crate::memo::Memos::default(),
+        sizes: crate::expansion::Sizes::default(),
         place: Span::default(),
         framed: None,
         exhausted: false,
@@ -66,17 +71,19 @@ pub(crate) fn elaborate(
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
         if !fits {
-            let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
-            let word = Span { end: place.end.min(place.start + 5), ..place };
-            diagnostics.push(errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize));
+            diagnostics.push(too_many_operations(&names));
         }
         fits
     });
     (scene, diagnostics)
 }
 
-/// How many operations one evaluation of a scene may take, with calls expanded.
-pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
+/// What is said of a scene of which no part alone is too large. Only its first word is marked.
+fn too_many_operations(names: &Names) -> Diagnostic {
+    let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+    let word = Span { end: place.end.min(place.start + 5), ..place };
+    errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize)
+}
 
 /// The functions of a scene, in the program that is being made.
 struct Made {
@@ -89,8 +96,9 @@ struct Made {
 impl<'t> Elaborator<'t> {
     fn scene(&mut self, options: &Options) -> Eval<Made> {
         self.check_overrides(options);
+        self.allow_work(0);
         self.evaluate_all_items();
-        let shapes = self.scene_shapes();
+        let shapes = self.scene_shapes().and_then(|shapes| self.allow_writing_out(shapes));
         let Ok(shapes) = shapes else {
             // The settings are still checked, so that all mistakes are reported in one run.
             self.scene_parts = Vec::new();
@@ -193,7 +201,11 @@ impl<'t> Elaborator<'t> {
         let mut shapes = Vec::new();
         for expr in &scene.shapes {
             let value = self.eval(expr, &env);
-            match value.and_then(|v| self.scene_shape(v, expr.span)) {
+            let found = value.and_then(|v| {
+                self.check_size(&v, expr.span)?;
+                self.scene_shape(v, expr.span)
+            });
+            match found {
                 Ok(found) => shapes.extend(found),
                 Err(Reported) => failed = true,
             }
@@ -203,6 +215,7 @@ impl<'t> Elaborator<'t> {
 
     /// One entry of the scene block: a shape, or a list of shapes.
     fn scene_shape(&mut self, value: Value<'t>, span: Span) -> Eval<Vec<Rc<Shape<'t>>>> {
+        self.count(span)?;
         match value {
             Value::List(list) => list
                 .items
@@ -216,6 +229,16 @@ impl<'t> Elaborator<'t> {
             ),
             other => self.as_shape(other, span).map(|s| vec![s]),
         }
+    }
+
+    /// Makes sure that the shapes of a scene are not too many to be written out, and allows the work that it takes.
+    fn allow_writing_out(&mut self, shapes: Vec<Rc<Shape<'t>>>) -> Eval<Vec<Rc<Shape<'t>>>> {
+        let size = shapes.iter().fold(Size::default(), |sum, s| sum + self.sizes.of(s));
+        if size.operations > OPERATION_LIMIT {
+            return self.report(too_many_operations(self.names));
+        }
+        self.allow_work(size.expressions);
+        Ok(shapes)
     }
 
     /// The shapes that glow, each with what its surface looks like.

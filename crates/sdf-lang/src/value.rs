@@ -90,6 +90,8 @@ pub(crate) struct Traits {
     pub painted: bool,
     /// There is a shape inside whose slope may be above 1.
     pub steep: bool,
+    /// There is a number of an open function inside, in records alone.
+    pub local: bool,
 }
 
 impl Traits {
@@ -98,6 +100,7 @@ impl Traits {
             shapes: self.shapes || other.shapes,
             painted: self.painted || other.painted,
             steep: self.steep || other.steep,
+            local: self.local || other.local,
         }
     }
 }
@@ -143,12 +146,13 @@ impl<'t> Value<'t> {
 
     pub fn traits(&self) -> Traits {
         match self {
-            Value::Number(_) | Value::Material(_) => Traits::default(),
-            Value::Shape(s) => Traits { shapes: true, painted: s.painted, steep: s.steep },
-            Value::List(l) => l.traits,
+            Value::Number(n) => Traits { local: n.is_local(), ..Traits::default() },
+            Value::Material(_) => Traits::default(),
+            Value::Shape(s) => Traits { shapes: true, painted: s.painted, steep: s.steep, local: false },
+            Value::List(l) => Traits { local: false, ..l.traits },
             Value::Record(r) => r.traits,
             Value::Function(f) => match &**f {
-                Callable::Lambda { env, .. } => Traits { shapes: true, ..env.traits() },
+                Callable::Lambda { env, .. } => Traits { shapes: true, local: false, ..env.traits() },
                 Callable::Overloads(..) | Callable::Native(_) => Traits { shapes: true, ..Traits::default() },
             },
         }
@@ -306,6 +310,11 @@ impl<'t> Env<'t> {
             module: self.module,
             scope: Some(Rc::new(Scope { name, value, parent: self.scope.clone(), traits })),
         }
+    }
+
+    /// The innermost variable, by its place in memory, which tells the variables from others.
+    pub fn place(&self) -> *const () {
+        self.scope.as_ref().map_or(std::ptr::null(), |scope| Rc::as_ptr(scope).cast())
     }
 
     /// The innermost variable of this name.

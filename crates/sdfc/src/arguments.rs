@@ -24,9 +24,23 @@ pub struct Arguments {
     /// How to compile.
     #[command(flatten)]
     pub compile: CompileArguments,
+    /// How messages are shown.
+    #[command(flatten)]
+    pub messages: MessageArguments,
+}
+
+/// How messages are shown, and which of them are failures.
+#[derive(Debug, Args)]
+pub struct MessageArguments {
     /// Whether messages are coloured
     #[arg(long, value_name = "WHEN", default_value = "auto", global = true)]
     pub color: Color,
+    /// How messages are written to standard error
+    #[arg(long, value_name = "FORMAT", default_value = "human", global = true)]
+    pub message_format: MessageFormat,
+    /// What is a failure besides errors: nothing is written then
+    #[arg(long, value_name = "WHAT", global = true)]
+    pub deny: Option<Denied>,
 }
 
 /// What to do.
@@ -36,6 +50,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Say what is wrong with scenes, and write nothing
     Check(CheckArguments),
+    /// Say what the code of a message means, with an example and its correction
+    Explain(ExplainArguments),
 }
 
 /// `sdfc SCENE -o FILE`
@@ -104,6 +120,14 @@ pub struct CheckArguments {
     pub timings: bool,
 }
 
+/// `sdfc explain CODE…`
+#[derive(Debug, Args)]
+pub struct ExplainArguments {
+    /// The codes, as messages show them: E020, W001
+    #[arg(required = true, value_name = "CODE")]
+    pub codes: Vec<String>,
+}
+
 /// Values of params.
 #[derive(Debug, Args, Default, PartialEq)]
 pub struct SetArguments {
@@ -128,6 +152,24 @@ pub enum Color {
     Always,
     /// Never
     Never,
+}
+
+/// How messages are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MessageFormat {
+    /// With the lines of the source that they are about
+    Human,
+    /// One line each, for editors: `file:line:column: error[E020]: message (help: …)`
+    Short,
+    /// One JSON object a line, for programs
+    Json,
+}
+
+/// What can be made a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Denied {
+    /// Warnings
+    Warnings,
 }
 
 /// A target by its name, which is also its extension.

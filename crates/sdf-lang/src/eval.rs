@@ -202,17 +202,48 @@ impl<'t> Elaborator<'t> {
 
     /// The value of a block.
     pub fn block(&mut self, block: &'t Block, env: &Env<'t>) -> Eval<Value<'t>> {
-        let env = self.bind_all(&block.bindings, env)?;
-        self.eval(&block.result, &env)
+        let (env, failed) = self
+            .bind_all(&block.bindings, env, |this, binding, value| this.give_name(value, &binding.name.text));
+        if failed.is_empty() {
+            return self.eval(&block.result, &env);
+        }
+        self.eval_unless_hopeless(&block.result, &env, &failed).and(Err(Reported))
     }
 
-    fn bind_all(&mut self, bindings: &'t [Binding], env: &Env<'t>) -> Eval<Env<'t>> {
+    /// The variables of bindings, each made of its value by `give_name`, and the names of those without a value. What
+    /// mentions none of these is still evaluated, so that independent mistakes are all found.
+    pub fn bind_all(
+        &mut self,
+        bindings: &'t [Binding],
+        env: &Env<'t>,
+        give_name: impl Fn(&mut Self, &'t Binding, Value<'t>) -> Value<'t>,
+    ) -> (Env<'t>, Vec<&'t str>) {
         let mut env = env.clone();
+        let mut failed: Vec<&str> = Vec::new();
         for binding in bindings {
-            let value = self.eval(&binding.value, &env)?;
-            env = env.bind(binding.name.text.clone(), self.give_name(value, &binding.name.text));
+            match self.eval_unless_hopeless(&binding.value, &env, &failed) {
+                Ok(value) => {
+                    let value = give_name(self, binding, value);
+                    env = env.bind(binding.name.text.clone(), value);
+                    failed.retain(|name| *name != &*binding.name.text);
+                }
+                Err(Reported) => failed.push(&binding.name.text),
+            }
         }
-        Ok(env)
+        (env, failed)
+    }
+
+    /// The value of an expression, unless it mentions a name that has none.
+    pub fn eval_unless_hopeless(
+        &mut self,
+        expr: &'t Expr,
+        env: &Env<'t>,
+        failed: &[&str],
+    ) -> Eval<Value<'t>> {
+        if !failed.is_empty() && crate::walk::any_name(expr, &mut |name| failed.contains(&name)) {
+            return Err(Reported);
+        }
+        self.eval(expr, env)
     }
 
     /// Hands the name of a `let` on to the node that it names.

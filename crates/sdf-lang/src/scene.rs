@@ -184,23 +184,15 @@ impl<'t> Elaborator<'t> {
         if let Some((_, again)) = scenes.get(1) {
             self.diagnostics.push(errors::block_twice(*again, "scene", *place));
         }
-        let mut env = Env::new(Module::User);
-        let mut failed = false;
-        for binding in &scene.bindings {
-            match self.eval(&binding.value, &env) {
-                Ok(value) => {
-                    let value = match value {
-                        Value::Number(n) => Value::Number(n.named(&binding.name.text)),
-                        v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
-                    };
-                    env = env.bind(binding.name.text.clone(), value);
-                }
-                Err(Reported) => return Err(Reported),
-            }
-        }
+        let (env, unbound) =
+            self.bind_all(&scene.bindings, &Env::new(Module::User), |_, binding, value| match value {
+                Value::Number(n) => Value::Number(n.named(&binding.name.text)),
+                v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
+            });
+        let mut failed = !unbound.is_empty();
         let mut shapes = Vec::new();
         for expr in &scene.shapes {
-            let value = self.eval(expr, &env);
+            let value = self.eval_unless_hopeless(expr, &env, &unbound);
             let found = value.and_then(|v| {
                 self.check_size(&v, expr.span)?;
                 self.scene_shape(v, expr.span)

@@ -1,6 +1,7 @@
 //! What an expression can be while a scene is elaborated: numbers (known or not yet), shapes, materials, lists,
 //! records and functions.
 
+use rustc_hash::FxHashMap;
 use sdf_ir::{Constant, Type};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Binding, Block, Dimension, Expr, Function, Lambda, Record};
@@ -295,6 +296,33 @@ struct Scope<'t> {
     value: Value<'t>,
     parent: Option<Rc<Scope<'t>>>,
     traits: Traits,
+    /// How many variables there are, this one included.
+    depth: usize,
+    chunk: Option<Chunk<'t>>,
+}
+
+/// A variable and those behind it, looked up at once: ten thousand variables would make a long walk.
+#[derive(Debug)]
+struct Chunk<'t> {
+    values: FxHashMap<Arc<str>, Value<'t>>,
+    /// What follows behind them.
+    parent: Option<Rc<Scope<'t>>>,
+}
+
+/// How many variables a chunk has.
+const CHUNK: usize = 64;
+
+impl<'t> Chunk<'t> {
+    /// The variable and those behind it, up to the next chunk.
+    fn new(name: &Arc<str>, value: &Value<'t>, parent: &Option<Rc<Scope<'t>>>) -> Chunk<'t> {
+        let mut values = FxHashMap::from_iter([(name.clone(), value.clone())]);
+        let mut rest = parent;
+        while let Some(scope) = rest.as_ref().filter(|scope| scope.chunk.is_none()) {
+            values.entry(scope.name.clone()).or_insert_with(|| scope.value.clone());
+            rest = &scope.parent;
+        }
+        Chunk { values, parent: rest.clone() }
+    }
 }
 
 impl<'t> Env<'t> {
@@ -306,10 +334,10 @@ impl<'t> Env<'t> {
     /// With one more variable, the innermost.
     pub fn bind(&self, name: Arc<str>, value: Value<'t>) -> Env<'t> {
         let traits = self.traits().join(value.traits());
-        Env {
-            module: self.module,
-            scope: Some(Rc::new(Scope { name, value, parent: self.scope.clone(), traits })),
-        }
+        let parent = self.scope.clone();
+        let depth = parent.as_ref().map_or(0, |scope| scope.depth) + 1;
+        let chunk = depth.is_multiple_of(CHUNK).then(|| Chunk::new(&name, &value, &parent));
+        Env { module: self.module, scope: Some(Rc::new(Scope { name, value, parent, traits, depth, chunk })) }
     }
 
     /// The innermost variable, by its place in memory, which tells the variables from others.
@@ -324,7 +352,13 @@ impl<'t> Env<'t> {
             if &*s.name == name {
                 return Some(&s.value);
             }
-            scope = s.parent.as_deref();
+            scope = match &s.chunk {
+                Some(chunk) => match chunk.values.get(name) {
+                    Some(value) => return Some(value),
+                    None => chunk.parent.as_deref(),
+                },
+                None => s.parent.as_deref(),
+            };
         }
         None
     }

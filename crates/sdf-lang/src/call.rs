@@ -340,7 +340,7 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<Value<'t>> {
         let place = std::ptr::from_ref(function).cast::<()>();
-        self.enter(place, span, &format!("`{}`", function.name.text))?;
+        self.enter(place, span, Some(&function.name.text))?;
         let outlined = match self.is_outlined(function, module, arguments) {
             true => self.call_outlined(function, module, arguments),
             false => None,
@@ -496,7 +496,7 @@ impl<'t> Elaborator<'t> {
         }
         let place = std::ptr::from_ref(lambda).cast::<()>();
         let run = |this: &mut Self| {
-            this.enter(place, span, "this function")?;
+            this.enter(place, span, None)?;
             let result = this.eval(&lambda.body, &inner);
             this.leave(place);
             result

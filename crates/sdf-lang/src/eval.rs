@@ -5,6 +5,7 @@ use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::names::Names;
 use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
+use rustc_hash::FxHashMap;
 use sdf_ir::{Binary, Constant, FunctionId, Node, Type, Unary};
 use sdf_syntax::tree::{Binding, Block, Dimension, Expr, ExprKind, Function, Postfix, PostfixKind};
 use sdf_syntax::{Diagnostic, Sources, Span};
@@ -67,7 +68,7 @@ pub(crate) struct Elaborator<'t> {
     /// The shapes of the scene block, for the camera that frames them.
     pub scene_parts: Vec<Rc<Shape<'t>>>,
     /// How often each function is being evaluated, by its place in memory.
-    pub active: HashMap<*const (), u32>,
+    pub active: FxHashMap<*const (), u32>,
     /// How many calls that is together.
     pub calls: u32,
     /// Whether what is evaluated is inside a loop of `iterate`.
@@ -122,7 +123,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// Begins a call of the function at a place in memory; refuses a recursion that is too deep.
-    pub fn enter(&mut self, function: *const (), span: Span, what: &str) -> Eval<()> {
+    pub fn enter(&mut self, function: *const (), span: Span, name: Option<&str>) -> Eval<()> {
         *self.active.entry(function).or_insert(0) += 1;
         self.calls += 1;
         let recursion = self.calls - self.active.len() as u32;
@@ -130,6 +131,7 @@ impl<'t> Elaborator<'t> {
             return Ok(());
         }
         self.leave(function);
+        let what = name.map_or_else(|| "this function".to_string(), |name| format!("`{name}`"));
         self.report(
             errors::too_long(span, &format!("the recursion of {what}"), u64::from(RECURSION_LIMIT))
                 .help("a recursive function needs an `if` with a static condition that ends it"),

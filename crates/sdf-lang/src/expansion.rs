@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
 /// How many expressions may be evaluated besides those that the text and its shapes are known to need: what bounds
 /// the time of a nested expansion.
-const FREE_WORK: usize = 1_000_000;
+const FREE_WORK: usize = 1_500_000;
 /// How often a shape's expressions are evaluated at most: for the map, its materials, the frame and the camera, each
 /// of them again in the functions that are named after it.
 const TIMES: u64 = 256;

@@ -45,7 +45,7 @@ pub(crate) fn elaborate(
         columns: BTreeSet::new(),
         finding_columns: false,
         scene_parts: Vec::new(),
-        active: HashMap::new(),
+        active: Default::default(),
         calls: 0,
         work: 0,
         work_limit: 0,

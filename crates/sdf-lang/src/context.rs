@@ -12,8 +12,8 @@ use sdf_ir::build::OpenRegions;
 use sdf_ir::cost::Operations;
 use sdf_ir::interval::Angle;
 use sdf_ir::{
-    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, RegionId, Rotation, Ternary,
-    Type, Unary,
+    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, RegionId, Rotation,
+    Ternary, Type, Unary,
 };
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};

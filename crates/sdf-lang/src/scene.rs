@@ -17,12 +17,12 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Elaborates a file: the scene, if there is no error, and what is to be said.
+/// Elaborates a file: the scene, if there is no error, what is to be said, and how many expressions were evaluated.
 pub(crate) fn elaborate(
     sources: &Sources,
     tree: &File,
     options: &Options,
-) -> (Option<Scene>, Vec<Diagnostic>) {
+) -> (Option<Scene>, Vec<Diagnostic>, usize) {
     let library = library::library();
     let mut diagnostics = Vec::new();
     let std: Vec<&File> = library.std.iter().collect();
@@ -57,7 +57,7 @@ pub(crate) fn elaborate(
         exhausted: false,
     };
     let scene = elaborator.scene(options);
-    let Elaborator { contexts, mut diagnostics, .. } = elaborator;
+    let Elaborator { contexts, mut diagnostics, work, .. } = elaborator;
     let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
         let mut program = contexts.into_program();
         program.entry = Some(made.pixel);
@@ -75,7 +75,7 @@ pub(crate) fn elaborate(
         }
         fits
     });
-    (scene, diagnostics)
+    (scene, diagnostics, work)
 }
 
 /// What is said of a scene of which no part alone is too large. Only its first word is marked.

@@ -325,7 +325,8 @@ impl<'t> Elaborator<'t> {
             let kind = ShapeKind::Named { name: name.clone(), span: *span, thunk, inner: inner.clone() };
             return Ok(Value::Shape(Rc::new(Shape { kind, ..*shape })));
         }
-        self.once(place, None, &arguments, |this| {
+        let inert = |this: &mut Self| this.inert_parameters(function);
+        self.once(place, None, &arguments, inert, |this| {
             let value = this.call_afresh(function, module, &arguments, span)?;
             let thunk = Thunk::Call { function, module, arguments: arguments.clone() };
             Ok(crate::eval::name_shape(value, &function.name.text, function.name.span, thunk))
@@ -502,7 +503,12 @@ impl<'t> Elaborator<'t> {
             result
         };
         // The library's are called with new arguments each time.
-        if env.module == Module::User { self.once(place, Some(env), &arguments, run) } else { run(self) }
+        let inert = |this: &mut Self| this.inert_of_lambda(lambda);
+        if env.module == Module::User {
+            self.once(place, Some(env), &arguments, inert, run)
+        } else {
+            run(self)
+        }
     }
 }
 

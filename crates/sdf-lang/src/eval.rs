@@ -77,6 +77,12 @@ pub(crate) struct Elaborator<'t> {
     pub work: usize,
     /// How many may be.
     pub work_limit: usize,
+    /// Whether calls and rounds that take as much as an earlier one are only counted.
+    pub is_trial: bool,
+    /// How many expressions were counted and not evaluated.
+    pub skipped: u64,
+    /// Which parameters decide nothing, once that was asked.
+    pub inert: Option<crate::lookahead::Inert>,
     /// What calls gave.
     pub memos: crate::memo::Memos<'t>,
     /// How large shapes are.
@@ -176,10 +182,19 @@ impl<'t> Elaborator<'t> {
             ExprKind::For { name, list, body } => {
                 let items = self.eval(list, env)?;
                 let items = self.as_list(items, list.span)?;
-                let mut out = Vec::with_capacity(items.len());
+                let count = items.len();
+                let mut out = Vec::with_capacity(count);
+                let is_alike = self.is_trial && count > 1 && self.is_inert_in(&name.text, body);
                 for item in items {
                     let inner = env.bind(name.text.clone(), item);
+                    let before = self.spent();
                     out.push(self.block(body, &inner)?);
+                    if is_alike {
+                        let rest = count - 1;
+                        self.skip(self.spent() - before, rest as u64);
+                        out.resize(rest + 1, out[0].clone());
+                        break;
+                    }
                 }
                 Ok(Value::list(out))
             }
@@ -209,7 +224,7 @@ impl<'t> Elaborator<'t> {
         if failed.is_empty() {
             return self.eval(&block.result, &env);
         }
-        self.eval_unless_hopeless(&block.result, &env, &failed).and(Err(Reported))
+        self.eval_unless_hopeless(&block.result, &env, &failed, Self::eval).and(Err(Reported))
     }
 
     /// The variables of bindings, each made of its value by `give_name`, and the names of those without a value. What
@@ -223,7 +238,7 @@ impl<'t> Elaborator<'t> {
         let mut env = env.clone();
         let mut failed: Vec<&str> = Vec::new();
         for binding in bindings {
-            match self.eval_unless_hopeless(&binding.value, &env, &failed) {
+            match self.eval_unless_hopeless(&binding.value, &env, &failed, Self::eval) {
                 Ok(value) => {
                     let value = give_name(self, binding, value);
                     env = env.bind(binding.name.text.clone(), value);
@@ -241,11 +256,12 @@ impl<'t> Elaborator<'t> {
         expr: &'t Expr,
         env: &Env<'t>,
         failed: &[&str],
+        eval: impl FnOnce(&mut Self, &'t Expr, &Env<'t>) -> Eval<Value<'t>>,
     ) -> Eval<Value<'t>> {
         if !failed.is_empty() && crate::walk::any_name(expr, &mut |name| failed.contains(&name)) {
             return Err(Reported);
         }
-        self.eval(expr, env)
+        eval(self, expr, env)
     }
 
     /// Hands the name of a `let` on to the node that it names.

@@ -14,19 +14,30 @@ use std::sync::Arc;
 
 /// How many operations one evaluation of a scene may take, with calls expanded.
 pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
-/// How many expressions may be evaluated besides those that the text and its shapes are known to need: what bounds
-/// the time of a nested expansion.
+/// How many expressions may be evaluated to find out what the shapes are.
 const FREE_WORK: usize = 1_500_000;
+/// How many may be evaluated to write shapes out, besides those that they are known to need: what bounds the time of
+/// an expansion of numbers inside a field.
+const FREE_WORK_INSIDE: usize = 200_000;
 /// How often a shape's expressions are evaluated at most: for the map, its materials, the frame and the camera, each
 /// of them again in the functions that are named after it.
 const TIMES: u64 = 256;
 
 impl<'t> Elaborator<'t> {
-    /// Allows the evaluation of shapes that take this many expressions each time, and as much again as is free.
-    pub fn allow_work(&mut self, expressions: u64) {
-        let text = self.sources.get(crate::USER_FILE).map_or(0, |source| source.text.len());
+    /// Allows what it takes to find out what the shapes are.
+    pub fn allow_finding(&mut self) {
+        self.work_limit = self.work + FREE_WORK + self.text_size();
+    }
+
+    /// Allows the evaluation of shapes that take this many expressions each time.
+    pub fn allow_writing(&mut self, expressions: u64) {
         let known = expressions.saturating_mul(TIMES).min(u64::from(u32::MAX)) as usize;
-        self.work_limit = self.work + FREE_WORK + text + known;
+        self.work_limit = self.work + FREE_WORK_INSIDE + self.text_size() + known;
+    }
+
+    /// What is written by hand is allowed, whatever it is.
+    fn text_size(&self) -> usize {
+        self.sources.get(crate::USER_FILE).map_or(0, |source| source.text.len())
     }
 
     /// Refuses a shape, or a list of shapes, that is too large to be written out; `span` is where it is asked for.

@@ -16,6 +16,7 @@ mod expansion;
 mod framing;
 mod items;
 mod library;
+mod lookahead;
 mod memo;
 mod names;
 mod operators;

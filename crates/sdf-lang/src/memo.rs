@@ -17,17 +17,34 @@ use std::sync::Arc;
 struct Outcome<'t> {
     value: Eval<Value<'t>>,
     diagnostics: Vec<Diagnostic>,
+    /// How many expressions it took.
+    cost: u64,
     /// What the key refers to by its place in memory, where nothing else may come to lie.
     _kept: (Option<Env<'t>>, Vec<(Arc<str>, Value<'t>)>),
 }
 
-/// Where a call is made: values are known in it, and samples are noted down or not.
-type Place = (Scope, bool);
+/// Where a call is made: which values are known in it, and what happens on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Place {
+    scope: Scope,
+    notes_samples: bool,
+    is_trial: bool,
+}
+
+/// Where the items of the file are evaluated.
+const FILE: Place = Place { scope: Scope::FILE, notes_samples: false, is_trial: false };
 
 /// The calls so far.
 #[derive(Default)]
 pub(crate) struct Memos<'t> {
     places: FxHashMap<Place, FxHashMap<Box<[u64]>, Outcome<'t>>>,
+}
+
+impl Memos<'_> {
+    /// Forgets what trials gave, whose numbers are wrong.
+    pub fn forget_trials(&mut self) {
+        self.places.retain(|place, _| !place.is_trial);
+    }
 }
 
 /// How many places are remembered before those that are closed are looked for.
@@ -37,30 +54,50 @@ const KEY_LIMIT: usize = 128;
 
 impl<'t> Elaborator<'t> {
     /// The value of a call, found by `run` unless it was found before. `function` is what is called, by its place in
-    /// memory, and `env` are the variables that it sees besides its arguments.
+    /// memory, and `env` are the variables that it sees besides its arguments. `inert` says which arguments decide
+    /// nothing; in a trial calls may differ in them.
     pub fn once(
         &mut self,
         function: *const (),
         env: Option<&Env<'t>>,
         arguments: &[(Arc<str>, Value<'t>)],
+        inert: impl FnOnce(&mut Self) -> Arc<[bool]>,
         run: impl FnOnce(&mut Self) -> Eval<Value<'t>>,
     ) -> Eval<Value<'t>> {
-        let Some(key) = key(function, env, arguments) else { return run(self) };
-        let place = (self.contexts.scope(), self.samples.is_some());
+        let deciding: Vec<(Arc<str>, Value<'t>)>;
+        let key = if self.is_trial {
+            let inert = inert(self);
+            let kept = arguments.iter().zip(inert.iter()).filter(|(_, inert)| !**inert);
+            deciding = kept.map(|(argument, _)| argument.clone()).collect();
+            key(function, env, &deciding)
+        } else {
+            key(function, env, arguments)
+        };
+        let Some(key) = key else { return run(self) };
+        let (scope, notes_samples) = (self.contexts.scope(), self.samples.is_some());
+        let place = Place { scope, notes_samples, is_trial: self.is_trial };
         if let Some(known) = self.memos.places.get(&place).and_then(|calls| calls.get(&key)) {
             self.diagnostics.extend(known.diagnostics.iter().cloned());
-            return known.value.clone();
+            let (value, cost) = (known.value.clone(), known.cost);
+            if self.is_trial {
+                self.skip(cost, 1);
+            }
+            return value;
         }
-        let said = self.diagnostics.len();
+        let (said, before) = (self.diagnostics.len(), self.spent());
         let value = run(self);
+        if self.exhausted {
+            return value;
+        }
+        let cost = self.spent() - before;
         let mut diagnostics = self.diagnostics.get(said..).map_or(Vec::new(), <[_]>::to_vec);
         crate::tidy(&mut diagnostics);
         if self.memos.places.len() > PLACES {
             let contexts = &self.contexts;
-            self.memos.places.retain(|(scope, _), _| contexts.is_open(scope));
+            self.memos.places.retain(|place, _| contexts.is_open(&place.scope));
         }
         let _kept = (env.cloned(), arguments.to_vec());
-        let outcome = Outcome { value: value.clone(), diagnostics, _kept };
+        let outcome = Outcome { value: value.clone(), diagnostics, cost, _kept };
         self.memos.places.entry(place).or_default().insert(key, outcome);
         value
     }
@@ -76,7 +113,7 @@ impl<'t> Elaborator<'t> {
             return None;
         }
         let key = key(function, None, &settled(arguments)?)?;
-        let known = self.memos.places.get(&(Scope::FILE, false))?.get(&key)?;
+        let known = self.memos.places.get(&FILE)?.get(&key)?;
         match &known.value {
             Ok(Value::Shape(shape)) if known.diagnostics.is_empty() => Some(shape.clone()),
             _ => None,

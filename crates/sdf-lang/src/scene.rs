@@ -50,6 +50,9 @@ pub(crate) fn elaborate(
         work: 0,
         work_limit: 0,
         in_loop: false,
+        is_trial: false,
+        skipped: 0,
+        inert: None,
         memos: crate::memo::Memos::default(),
         sizes: crate::expansion::Sizes::default(),
         place: Span::default(),
@@ -96,7 +99,7 @@ struct Made {
 impl<'t> Elaborator<'t> {
     fn scene(&mut self, options: &Options) -> Eval<Made> {
         self.check_overrides(options);
-        self.allow_work(0);
+        self.allow_finding();
         self.evaluate_all_items();
         let shapes = self.scene_shapes().and_then(|shapes| self.allow_writing_out(shapes));
         let Ok(shapes) = shapes else {
@@ -192,7 +195,7 @@ impl<'t> Elaborator<'t> {
         let mut failed = !unbound.is_empty();
         let mut shapes = Vec::new();
         for expr in &scene.shapes {
-            let value = self.eval_unless_hopeless(expr, &env, &unbound);
+            let value = self.eval_unless_hopeless(expr, &env, &unbound, Self::eval_ahead);
             let found = value.and_then(|v| {
                 self.check_size(&v, expr.span)?;
                 self.scene_shape(v, expr.span)
@@ -229,7 +232,7 @@ impl<'t> Elaborator<'t> {
         if size.operations > OPERATION_LIMIT {
             return self.report(too_many_operations(self.names));
         }
-        self.allow_work(size.expressions);
+        self.allow_writing(size.expressions);
         Ok(shapes)
     }
 

@@ -94,7 +94,7 @@ impl Subject {
             let any = unit(900_000_000 + (frame * 50 + i) as u64);
             match uniform.role {
                 _ if frame == 0 => uniform.default,
-                Role::Setting | Role::Resolution => uniform.default,
+                Role::Setting | Role::Resolution | Role::Orbit { .. } => uniform.default,
                 Role::Time => Constant::Float(any * 30.0),
                 Role::Mouse => Constant::Vec2([any, 1.0 - any]),
                 Role::Param { range: Some((lo, hi)), .. } => Constant::Float(lo + (hi - lo) * any),

@@ -32,11 +32,11 @@ impl Context<'_> {
             context: self,
             function,
             plan,
-            scope: self.symbols.taken.clone(),
+            scope: self.symbols.taken.inside(),
             names: FxHashMap::default(),
             variables: FxHashMap::default(),
             arguments: FxHashMap::default(),
-            source_names: argument_names(function),
+            source_names: Rc::new(argument_names(function)),
             id,
             out: String::new(),
             parts: Vec::new(),
@@ -62,14 +62,14 @@ pub(crate) struct Printer<'a> {
     pub id: FunctionId,
     pub function: &'a Function,
     pub plan: &'a Plan,
-    pub scope: Names,
+    pub scope: Names<'a>,
     /// The names of values.
     pub names: FxHashMap<Value, String>,
     /// The variables that an `If` or a `Loop` leaves its results in.
     pub variables: FxHashMap<Value, Vec<String>>,
     /// How arguments of regions are written.
     pub arguments: FxHashMap<(RegionId, u16), Expression>,
-    source_names: FxHashMap<Node, String>,
+    source_names: Rc<FxHashMap<Node, String>>,
     /// The function's text so far.
     pub out: String,
     /// The functions that were cut out of it.
@@ -139,17 +139,17 @@ impl<'a> Printer<'a> {
         Ok(())
     }
 
-    /// A printer for a part of this function, which knows the same values.
+    /// A printer for a part of this function, which knows no values but those that it is told.
     pub fn part_printer(&self) -> Printer<'a> {
         Printer {
             context: self.context,
             id: self.id,
             function: self.function,
             plan: self.plan,
-            scope: self.context.symbols.taken.clone(),
-            names: self.names.clone(),
-            variables: self.variables.clone(),
-            arguments: self.arguments.clone(),
+            scope: self.context.symbols.taken.inside(),
+            names: FxHashMap::default(),
+            variables: FxHashMap::default(),
+            arguments: FxHashMap::default(),
             source_names: self.source_names.clone(),
             out: String::new(),
             parts: Vec::new(),

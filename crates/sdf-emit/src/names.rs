@@ -24,26 +24,42 @@ pub(crate) fn is_reserved(word: &str) -> bool {
     RESERVED_WORDS.contains(&word.to_lowercase())
 }
 
-/// The names given so far, in a scope and in those round it.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Names {
+/// The names given so far, in a scope and in the one round it.
+#[derive(Debug, Default)]
+pub(crate) struct Names<'a> {
+    outer: Option<&'a Names<'a>>,
     taken: FxHashSet<String>,
     /// The first number that may be free behind each name that was wanted.
     next: FxHashMap<String, usize>,
 }
 
-impl Names {
+impl Names<'_> {
+    /// A scope inside this one, in which nothing has been given yet.
+    pub fn inside(&self) -> Names<'_> {
+        Names { outer: Some(self), ..Names::default() }
+    }
+
+    fn is_taken(&self, name: &str) -> bool {
+        self.taken.contains(name) || self.outer.is_some_and(|outer| outer.is_taken(name))
+    }
+
+    fn next_number(&self, base: &str) -> usize {
+        let outer = || self.outer.map_or(0, |outer| outer.next_number(base));
+        self.next.get(base).copied().unwrap_or_else(outer)
+    }
+
     /// A name like `wanted`, or like `fallback` where nothing of it is left, that is free; from now on it is taken.
     pub fn give(&mut self, wanted: &str, fallback: &str) -> String {
         let base = Some(clean(wanted)).filter(|name| !name.is_empty()).unwrap_or_else(|| fallback.to_owned());
-        let mut number = self.next.get(&base).copied().unwrap_or(0);
+        let mut number = self.next_number(&base);
         let name = loop {
             let name = if number == 0 { base.clone() } else { format!("{base}_{number}") };
             number += 1;
-            if !is_reserved(&name) && self.taken.insert(name.clone()) {
+            if !is_reserved(&name) && !self.is_taken(&name) {
                 break name;
             }
         };
+        self.taken.insert(name.clone());
         self.next.insert(base, number);
         name
     }
@@ -130,5 +146,8 @@ mod tests {
         let given: Vec<String> =
             ["a", "a", "a_1", "", "ü", "float"].iter().map(|n| names.give(n, "v")).collect();
         assert_eq!(given, ["a", "a_1", "a_1_1", "v", "v_1", "float_1"]);
+        let mut inside = names.inside();
+        assert_eq!(["a", "b", "b"].map(|n| inside.give(n, "v")), ["a_2", "b", "b_1"]);
+        assert_eq!(names.inside().give("b", "v"), "b");
     }
 }

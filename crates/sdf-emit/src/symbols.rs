@@ -26,7 +26,7 @@ pub(crate) struct Symbols {
     /// The values of the frame.
     pub globals: Vec<String>,
     /// All of these; functions take their own names beside them.
-    pub taken: Names,
+    pub taken: Names<'static>,
 }
 
 impl Symbols {

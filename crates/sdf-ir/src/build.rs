@@ -147,6 +147,11 @@ impl Builder {
         }
     }
 
+    /// The region that was opened last; the function's own where none is open.
+    pub fn open_region_id(&self) -> RegionId {
+        self.scopes.last().map_or(RegionId::ROOT, |(id, _)| *id)
+    }
+
     /// Leaves all open regions for a while: what follows lands in the function's own region, before them.
     pub fn leave_regions(&mut self) -> OpenRegions {
         OpenRegions(self.scopes.split_off(1))

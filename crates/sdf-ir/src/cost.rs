@@ -13,6 +13,24 @@ pub fn operations(program: &Program, function: FunctionId) -> u64 {
     total(program, function, &Count { of_node: operations_of_node, rounds: u64::from })
 }
 
+/// The [`operations`] of the functions of a program that is being made: each is counted once.
+#[derive(Debug, Default)]
+pub struct Operations {
+    totals: Vec<u64>,
+}
+
+impl Operations {
+    /// Scalar operations of one evaluation of a function at most.
+    pub fn of(&mut self, program: &Program, function: FunctionId) -> u64 {
+        let count = Count { of_node: operations_of_node, rounds: u64::from };
+        for function in &program.functions[self.totals.len()..] {
+            let total = region(function, RegionId::ROOT, &self.totals, &count);
+            self.totals.push(total);
+        }
+        self.totals[function.0 as usize]
+    }
+}
+
 /// [`operations`] with each loop's body counted once.
 pub fn operations_without_loops(program: &Program, function: FunctionId) -> u64 {
     total(program, function, &Count { of_node: operations_of_node, rounds: |count| u64::from(count.min(1)) })
@@ -103,7 +121,7 @@ pub(crate) fn operations_of_node(function: &Function, value: Value) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{iterations, operations, operations_without_loops};
+    use super::{Operations, iterations, operations, operations_without_loops};
     use crate::build::Builder;
     use crate::program::{Binary, Parameter, Program, RegionId, Type, Unary};
 
@@ -116,6 +134,8 @@ mod tests {
         let length = b.unary(Unary::Length, p);
         let callee = program.add(b.finish(vec![(length, "".into())]));
         assert_eq!(operations(&program, callee), 6);
+        let mut counted = Operations::default();
+        assert_eq!(counted.of(&program, callee), 6);
         let mut b = Builder::new("caller", vec![point]);
         let p = b.argument(RegionId::ROOT, 0);
         let first = b.call(callee, &[Type::Float], &[p])[0];
@@ -133,6 +153,7 @@ mod tests {
         let caller = program.add(b.finish(vec![(last, "".into())]));
         // The call, ten rounds of test, product, call and sum, and the last test.
         assert_eq!(operations(&program, caller), 6 + 10 * (1 + 3 + 6 + 1) + 1);
+        assert_eq!(counted.of(&program, caller), operations(&program, caller));
         assert_eq!(operations_without_loops(&program, caller), 6 + (1 + 3 + 6 + 1) + 1);
         assert_eq!(iterations(&program, caller), 10);
         assert_eq!(iterations(&program, callee), 0);

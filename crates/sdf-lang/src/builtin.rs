@@ -5,7 +5,7 @@ use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::surface::Column;
-use crate::value::{Number, Repr, Shape, ShapeKind, Value};
+use crate::value::{Callable, Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Constant, Ternary, Type, Unary};
 use sdf_syntax::Span;
 use sdf_syntax::tree::TypeKind;
@@ -302,6 +302,16 @@ static FUNCTIONS: &[BuiltIn] = &[
     }),
 ];
 
+/// Whether a lambda uses a number that is not known yet.
+fn mentions_dynamic(function: &Value<'_>) -> bool {
+    let Value::Function(callable) = function else { return false };
+    let Callable::Lambda { lambda, env } = &**callable else { return false };
+    crate::walk::any_name(
+        &lambda.body,
+        &mut |name| matches!(env.get(name), Some(Value::Number(n)) if n.known().is_none()),
+    )
+}
+
 /// The properties of a shape's material at a point where the normal is known.
 fn surface<'t>(
     e: &mut Elaborator<'t>,
@@ -423,7 +433,10 @@ impl<'t> Elaborator<'t> {
             ));
         }
         let (template, initial) = self.flatten(first, span)?;
-        if initial.iter().all(|n| n.known().is_some())
+        // Inside a loop that runs in the shader each trial would be made twice for each loop round it.
+        let is_tried = !self.in_loop || !mentions_dynamic(next);
+        if is_tried
+            && initial.iter().all(|n| n.known().is_some())
             && let Some(last) = self.iterate_now(n as u32, &template, next, arguments[3].as_ref(), span)?
         {
             return Ok(last);
@@ -447,9 +460,11 @@ impl<'t> Elaborator<'t> {
         let next_region = self.contexts.builder().open_region(&next_types);
         let round = self.region_argument(next_region, 0, Type::Float);
         let state = self.region_state(&template, next_region, 1, &initial);
+        let was_in_loop = std::mem::replace(&mut self.in_loop, true);
         let after = self
             .call_function(next, vec![Value::Number(round), state], span)
             .and_then(|v| self.like(&template, &v, span));
+        self.in_loop = was_in_loop;
         let after_values: Vec<_> = after.iter().flatten().map(|n| self.contexts.value(n)).collect();
         self.contexts.builder().close_region(after_values);
         stop?;
@@ -478,7 +493,10 @@ impl<'t> Elaborator<'t> {
                 }
             }
             let round = Value::float(f64::from(round));
-            let after = self.call_function(next, vec![round, state], span)?;
+            let was_in_loop = std::mem::replace(&mut self.in_loop, true);
+            let after = self.call_function(next, vec![round, state], span);
+            self.in_loop = was_in_loop;
+            let after = after?;
             let numbers = self.like(first, &after, span)?;
             if numbers.iter().any(|n| n.known().is_none()) {
                 return Ok(None);

@@ -4,12 +4,15 @@ use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::outline;
-use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Thunk, Value};
+use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::Type;
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Argument, Dimension, ExprKind, Function, Lambda, Name, Parameter, TypeKind};
 use std::rc::Rc;
 use std::sync::Arc;
+
+/// How many expressions a function of the program counts for, which costs as much time as them.
+const CALL_WORK: usize = 16;
 
 /// The arguments of a call, evaluated.
 pub(crate) struct Given<'t> {
@@ -155,6 +158,10 @@ impl<'t> Elaborator<'t> {
     pub fn apply_value(&mut self, callee: Value<'t>, given: Given<'t>, span: Span) -> Eval<Value<'t>> {
         match callee {
             Value::Shape(shape) => {
+                // Inside a function the scene as a whole has been allowed already.
+                if self.contexts.depth() == 0 {
+                    self.check_size(&Value::Shape(shape.clone()), span)?;
+                }
                 let point = self.point_argument(&shape, given, span)?;
                 self.sample(&shape, &point, span).map(Value::Number)
             }
@@ -312,22 +319,40 @@ impl<'t> Elaborator<'t> {
             // Its arguments have been evaluated: what happens from now on comes from the whole call.
             self.place = span;
         }
-        self.enter(place, span, &format!("`{}`", function.name.text))?;
-        let result = if self.is_outlined(function, module, &arguments) {
-            match self.call_outlined(function, module, &arguments) {
-                Some(result) => result,
-                None => self.evaluate_body(function, module, &arguments),
-            }
-        } else {
-            self.evaluate_body(function, module, &arguments)
-        };
-        self.leave(place);
-        let value = result?;
         if module != Module::User {
-            return Ok(value);
+            return self.call_afresh(function, module, &arguments, span);
         }
-        let thunk = Thunk::Call { function, module, arguments };
-        Ok(crate::eval::name_shape(value, &function.name.text, function.name.span, thunk))
+        if let Some(shape) = self.known_shape(place, &arguments)
+            && let ShapeKind::Named { name, span, inner, .. } = &shape.kind
+        {
+            let thunk = Thunk::Call { function, module, arguments };
+            let kind = ShapeKind::Named { name: name.clone(), span: *span, thunk, inner: inner.clone() };
+            return Ok(Value::Shape(Rc::new(Shape { kind, ..*shape })));
+        }
+        let inert = |this: &mut Self| this.inert_parameters(function);
+        self.once(place, None, &arguments, inert, |this| {
+            let value = this.call_afresh(function, module, &arguments, span)?;
+            let thunk = Thunk::Call { function, module, arguments: arguments.clone() };
+            Ok(crate::eval::name_shape(value, &function.name.text, function.name.span, thunk))
+        })
+    }
+
+    fn call_afresh(
+        &mut self,
+        function: &'t Function,
+        module: Module,
+        arguments: &[(Arc<str>, Value<'t>)],
+        span: Span,
+    ) -> Eval<Value<'t>> {
+        let place = std::ptr::from_ref(function).cast::<()>();
+        self.enter(place, span, Some(&function.name.text))?;
+        let outlined = match self.is_outlined(function, module, arguments) {
+            true => self.call_outlined(function, module, arguments),
+            false => None,
+        };
+        let result = outlined.unwrap_or_else(|| self.evaluate_body(function, module, arguments));
+        self.leave(place);
+        result
     }
 
     /// The value of a function's body with these arguments.
@@ -369,6 +394,7 @@ impl<'t> Elaborator<'t> {
         module: Module,
         arguments: &[(Arc<str>, Value<'t>)],
     ) -> Option<Eval<Value<'t>>> {
+        self.work += CALL_WORK;
         let line = self.line(function.name.span);
         self.contexts.open(&function.name.text, line);
         let place = std::ptr::from_ref(function).cast::<()>();
@@ -461,6 +487,7 @@ impl<'t> Elaborator<'t> {
             }
         };
         let mut inner = env.clone();
+        let mut arguments = Vec::new();
         for (parameter, argument) in lambda.parameters.iter().zip(fit.arguments) {
             let value = match (argument, &parameter.default) {
                 (Some(value), _) => value,
@@ -468,13 +495,23 @@ impl<'t> Elaborator<'t> {
                 (None, None) => Value::list(Vec::new()),
             };
             let value = self.adapt(value, parameter)?;
-            inner = inner.bind(parameter.name.text.clone(), value);
+            inner = inner.bind(parameter.name.text.clone(), value.clone());
+            arguments.push((parameter.name.text.clone(), value));
         }
         let place = std::ptr::from_ref(lambda).cast::<()>();
-        self.enter(place, span, "this function")?;
-        let result = self.eval(&lambda.body, &inner);
-        self.leave(place);
-        result
+        let run = |this: &mut Self| {
+            this.enter(place, span, None)?;
+            let result = this.eval(&lambda.body, &inner);
+            this.leave(place);
+            result
+        };
+        // The library's are called with new arguments each time.
+        let inert = |this: &mut Self| this.inert_of_lambda(lambda);
+        if env.module == Module::User {
+            self.once(place, Some(env), &arguments, inert, run)
+        } else {
+            run(self)
+        }
     }
 }
 

@@ -9,10 +9,11 @@
 use crate::value::{Number, Repr};
 use rustc_hash::FxHashMap;
 use sdf_ir::build::OpenRegions;
+use sdf_ir::cost::Operations;
 use sdf_ir::interval::{Angle, Axis};
 use sdf_ir::{
-    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, Rotation, Ternary,
-    Type, Unary,
+    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, RegionId, Rotation,
+    Ternary, Type, Unary,
 };
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -38,6 +39,8 @@ struct Context {
     imports: FxHashMap<u64, sdf_ir::Value>,
     /// What the caller passes: one value of its own for each parameter.
     arguments: Vec<sdf_ir::Value>,
+    /// What tells it from all others.
+    serial: u32,
 }
 
 /// A function that was put aside.
@@ -55,6 +58,22 @@ pub(crate) struct Contexts {
     frame_calls: bool,
     /// Nodes made in functions that are finished, for the limit on a program's size.
     pub nodes: usize,
+    /// How many functions were opened so far.
+    opened: u32,
+    operations: Operations,
+}
+
+/// Where a number can be used: in the innermost function, inside the branches and loops that are open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Scope {
+    function: u32,
+    region: RegionId,
+    region_of_frame: RegionId,
+}
+
+impl Scope {
+    /// No function is open, and no branch or loop of the frame: the items of the file are evaluated.
+    pub const FILE: Scope = Scope { function: 0, region: RegionId::ROOT, region_of_frame: RegionId::ROOT };
 }
 
 impl Contexts {
@@ -65,18 +84,36 @@ impl Contexts {
                 builder: Builder::new("frame", Vec::new()),
                 imports: FxHashMap::default(),
                 arguments: Vec::new(),
+                serial: 0,
             }],
             finished: FxHashMap::default(),
             globals: FxHashMap::default(),
             global_values: Vec::new(),
             frame_calls: false,
             nodes: 0,
+            opened: 0,
+            operations: Operations::default(),
         }
     }
 
     /// How many functions are open besides the frame.
     pub fn depth(&self) -> u32 {
         (self.stack.len() - 1) as u32
+    }
+
+    /// Where numbers that are made now can be used.
+    pub fn scope(&self) -> Scope {
+        let innermost = self.stack.last().expect("the frame is always open");
+        Scope {
+            function: innermost.serial,
+            region: innermost.builder.open_region_id(),
+            region_of_frame: self.stack[0].builder.open_region_id(),
+        }
+    }
+
+    /// Whether the function of a scope is still open.
+    pub fn is_open(&self, scope: &Scope) -> bool {
+        self.stack.iter().any(|context| context.serial == scope.function)
     }
 
     /// The function that is open innermost.
@@ -100,7 +137,9 @@ impl Contexts {
     pub fn open(&mut self, name: &Arc<str>, line: Option<u32>) {
         let mut builder = Builder::new(name.clone(), Vec::new());
         builder.set_line(line);
-        self.stack.push(Context { builder, imports: FxHashMap::default(), arguments: Vec::new() });
+        self.opened += 1;
+        let (imports, arguments) = (FxHashMap::default(), Vec::new());
+        self.stack.push(Context { builder, imports, arguments, serial: self.opened });
     }
 
     /// Says whether the frame calls the functions that are opened from now on.
@@ -245,6 +284,19 @@ impl Contexts {
     /// The nodes of the frame that are globals of the program, in order.
     pub fn global_values(&self) -> &[sdf_ir::Value] {
         &self.global_values
+    }
+
+    /// How many operations the function takes that a number is a call of; 0 where it is none.
+    pub fn operations(&mut self, number: &Number) -> u64 {
+        let (depth, value) = match number.repr {
+            Repr::Local(depth, value) => (depth, value),
+            Repr::Frame(value) => (0, value),
+            Repr::Static(_) | Repr::Outer(..) => return 0,
+        };
+        match self.stack[depth as usize].builder.node(value) {
+            Node::Call(id, _) => self.operations.of(&self.program, id),
+            _ => 0,
+        }
     }
 
     /// The program so far, with a frame that computes the globals so far.

@@ -148,6 +148,28 @@ pub(crate) fn too_large(span: Span, what: &str, limit: usize) -> Diagnostic {
         .help("use `repeat` for copies, or fewer shapes")
 }
 
+/// A shape that is small as it is shared, and too large as it is written out.
+pub(crate) fn expands_too_far(span: Span, operations: u64, limit: u64) -> Diagnostic {
+    let count = match operations {
+        u64::MAX => "too many to count".to_string(),
+        count => count.to_string(),
+    };
+    Diagnostic::new(Code::E045, span, format!("the scene needs more than {limit} operations at each point"))
+        .label(format!("this alone needs {count}: what is sampled twice counts twice"))
+        .help("use `repeat` or `mirror` for copies, or end the doubling earlier")
+}
+
+/// What expands to more than can be evaluated.
+pub(crate) fn takes_too_much(span: Span, count: u64) -> Diagnostic {
+    let count = match count {
+        u64::MAX => "too many to count".to_string(),
+        count => count.to_string(),
+    };
+    Diagnostic::new(Code::E045, span, "the scene needs more than 1000000 operations")
+        .label(format!("this expands to {count} expressions"))
+        .help("use `repeat` or `mirror` for copies, or end the recursion or the loops earlier")
+}
+
 pub(crate) fn not_a_distance(span: Span, found: &str) -> Diagnostic {
     Diagnostic::new(Code::E051, span, format!("a field must give a float, and this gives {found}"))
         .label("expected the distance to the surface")

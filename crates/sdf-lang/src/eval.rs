@@ -5,6 +5,7 @@ use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::names::Names;
 use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
+use rustc_hash::FxHashMap;
 use sdf_ir::{Binary, Constant, FunctionId, Node, Type, Unary};
 use sdf_syntax::tree::{Binding, Block, Dimension, Expr, ExprKind, Function, Postfix, PostfixKind};
 use sdf_syntax::{Diagnostic, Sources, Span};
@@ -27,10 +28,9 @@ const CALL_LIMIT: u32 = 1024;
 pub(crate) const LOOP_LIMIT: usize = 65_536;
 /// How many nodes a program may have.
 const NODE_LIMIT: usize = 1_000_000;
-/// How often a scene is gone over: for its map, its materials, its frame and its camera.
-const PASSES: usize = 4;
-/// How many expressions elaboration may evaluate: what bounds the time of a nested expansion.
-const WORK_LIMIT: usize = 8_000_000;
+/// How many nodes may be made for each that a program may have: a scene is gone over for its map, its materials, its
+/// frame and its camera, and much of what is made for materials is looked at only once.
+const PASSES: usize = 16;
 
 /// The state of an item while it is needed.
 #[derive(Debug, Clone)]
@@ -68,10 +68,25 @@ pub(crate) struct Elaborator<'t> {
     /// The shapes of the scene block, for the camera that frames them.
     pub scene_parts: Vec<Rc<Shape<'t>>>,
     /// How often each function is being evaluated, by its place in memory.
-    pub active: HashMap<*const (), u32>,
+    pub active: FxHashMap<*const (), u32>,
     /// How many calls that is together.
     pub calls: u32,
+    /// Whether what is evaluated is inside a loop of `iterate`.
+    pub in_loop: bool,
+    /// The expressions evaluated so far.
     pub work: usize,
+    /// How many may be.
+    pub work_limit: usize,
+    /// Whether calls and rounds that take as much as an earlier one are only counted.
+    pub is_trial: bool,
+    /// How many expressions were counted and not evaluated.
+    pub skipped: u64,
+    /// Which parameters decide nothing, once that was asked.
+    pub inert: Option<crate::lookahead::Inert>,
+    /// What calls gave.
+    pub memos: crate::memo::Memos<'t>,
+    /// How large shapes are.
+    pub sizes: crate::expansion::Sizes<'t>,
     /// How far rays have to go in a scene that the camera frames by itself.
     pub framed: Option<f64>,
     /// What of the user's file is being evaluated.
@@ -95,16 +110,16 @@ impl<'t> Elaborator<'t> {
 
     /// The line of the user's file that a place is in; none for the library's.
     pub fn line(&self, span: Span) -> Option<u32> {
-        (span.file == crate::USER_FILE).then(|| self.sources.line_column(span.file, span.start).0 as u32)
+        (span.file == crate::USER_FILE).then(|| self.sources.line(span.file, span.start) as u32)
     }
 
     /// Counts one piece of work, and refuses to do too much of it.
-    fn count(&mut self, span: Span) -> Eval<()> {
+    pub fn count(&mut self, span: Span) -> Eval<()> {
         if span.file == crate::USER_FILE {
             self.place = span;
         }
         self.work += 1;
-        if self.work <= WORK_LIMIT && self.contexts.nodes <= PASSES * NODE_LIMIT {
+        if self.work <= self.work_limit && self.contexts.nodes <= PASSES * NODE_LIMIT {
             return Ok(());
         }
         // It is said once; whatever is evaluated from now on is given up at once.
@@ -116,7 +131,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// Begins a call of the function at a place in memory; refuses a recursion that is too deep.
-    pub fn enter(&mut self, function: *const (), span: Span, what: &str) -> Eval<()> {
+    pub fn enter(&mut self, function: *const (), span: Span, name: Option<&str>) -> Eval<()> {
         *self.active.entry(function).or_insert(0) += 1;
         self.calls += 1;
         let recursion = self.calls - self.active.len() as u32;
@@ -124,6 +139,7 @@ impl<'t> Elaborator<'t> {
             return Ok(());
         }
         self.leave(function);
+        let what = name.map_or_else(|| "this function".to_string(), |name| format!("`{name}`"));
         self.report(
             errors::too_long(span, &format!("the recursion of {what}"), u64::from(RECURSION_LIMIT))
                 .help("a recursive function needs an `if` with a static condition that ends it"),
@@ -168,10 +184,19 @@ impl<'t> Elaborator<'t> {
             ExprKind::For { name, list, body } => {
                 let items = self.eval(list, env)?;
                 let items = self.as_list(items, list.span)?;
-                let mut out = Vec::with_capacity(items.len());
+                let count = items.len();
+                let mut out = Vec::with_capacity(count);
+                let is_alike = self.is_trial && count > 1 && self.is_inert_in(&name.text, body);
                 for item in items {
                     let inner = env.bind(name.text.clone(), item);
+                    let before = self.spent();
                     out.push(self.block(body, &inner)?);
+                    if is_alike {
+                        let rest = count - 1;
+                        self.skip(self.spent() - before, rest as u64);
+                        out.resize(rest + 1, out[0].clone());
+                        break;
+                    }
                 }
                 Ok(Value::list(out))
             }
@@ -196,17 +221,49 @@ impl<'t> Elaborator<'t> {
 
     /// The value of a block.
     pub fn block(&mut self, block: &'t Block, env: &Env<'t>) -> Eval<Value<'t>> {
-        let env = self.bind_all(&block.bindings, env)?;
-        self.eval(&block.result, &env)
+        let (env, failed) = self
+            .bind_all(&block.bindings, env, |this, binding, value| this.give_name(value, &binding.name.text));
+        if failed.is_empty() {
+            return self.eval(&block.result, &env);
+        }
+        self.eval_unless_hopeless(&block.result, &env, &failed, Self::eval).and(Err(Reported))
     }
 
-    fn bind_all(&mut self, bindings: &'t [Binding], env: &Env<'t>) -> Eval<Env<'t>> {
+    /// The variables of bindings, each made of its value by `give_name`, and the names of those without a value. What
+    /// mentions none of these is still evaluated, so that independent mistakes are all found.
+    pub fn bind_all(
+        &mut self,
+        bindings: &'t [Binding],
+        env: &Env<'t>,
+        give_name: impl Fn(&mut Self, &'t Binding, Value<'t>) -> Value<'t>,
+    ) -> (Env<'t>, Vec<&'t str>) {
         let mut env = env.clone();
+        let mut failed: Vec<&str> = Vec::new();
         for binding in bindings {
-            let value = self.eval(&binding.value, &env)?;
-            env = env.bind(binding.name.text.clone(), self.give_name(value, &binding.name.text));
+            match self.eval_unless_hopeless(&binding.value, &env, &failed, Self::eval) {
+                Ok(value) => {
+                    let value = give_name(self, binding, value);
+                    env = env.bind(binding.name.text.clone(), value);
+                    failed.retain(|name| *name != &*binding.name.text);
+                }
+                Err(Reported) => failed.push(&binding.name.text),
+            }
         }
-        Ok(env)
+        (env, failed)
+    }
+
+    /// The value of an expression, unless it mentions a name that has none.
+    pub fn eval_unless_hopeless(
+        &mut self,
+        expr: &'t Expr,
+        env: &Env<'t>,
+        failed: &[&str],
+        eval: impl FnOnce(&mut Self, &'t Expr, &Env<'t>) -> Eval<Value<'t>>,
+    ) -> Eval<Value<'t>> {
+        if !failed.is_empty() && crate::walk::any_name(expr, &mut |name| failed.contains(&name)) {
+            return Err(Reported);
+        }
+        eval(self, expr, env)
     }
 
     /// Hands the name of a `let` on to the node that it names.
@@ -483,6 +540,7 @@ impl<'t> Elaborator<'t> {
         match value {
             Value::Number(n) => out.push(n.clone()),
             Value::Record(r) => {
+                self.count(span)?;
                 for (name, v) in &r.fields {
                     let first = out.len();
                     self.flatten_into(v, span, out)?;
@@ -492,6 +550,7 @@ impl<'t> Elaborator<'t> {
                 }
             }
             Value::List(l) => {
+                self.count(span)?;
                 for v in &l.items {
                     self.flatten_into(v, span, out)?;
                 }

@@ -3,7 +3,7 @@
 //! proved of the parts, or in a cube of all that may be drawn.
 
 use crate::eval::Elaborator;
-use crate::scene::OPERATION_LIMIT;
+use crate::expansion::OPERATION_LIMIT;
 use crate::value::Shape;
 use glam::DVec3;
 use sdf_ir::cost::operations;

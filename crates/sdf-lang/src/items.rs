@@ -78,7 +78,11 @@ impl<'t> Elaborator<'t> {
         self.origins = origins;
         self.samples = samples;
         self.pending.pop();
-        self.items.insert(key, Memo::Done(value.clone()));
+        // One that was given up may be tried again with more patience.
+        match self.exhausted {
+            true => self.items.remove(&key),
+            false => self.items.insert(key, Memo::Done(value.clone())),
+        };
         value
     }
 
@@ -95,7 +99,7 @@ impl<'t> Elaborator<'t> {
         let env = Env::new(module);
         match item {
             Item::Let(binding) => {
-                let value = self.eval(&binding.value, &env)?;
+                let value = self.eval_ahead(&binding.value, &env)?;
                 let own = env.bind(binding.name.text.clone(), value.clone());
                 self.require(std::ptr::from_ref(binding).cast(), module, &own, binding.name.span)?;
                 Ok(match value {

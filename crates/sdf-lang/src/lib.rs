@@ -13,16 +13,20 @@ mod context;
 mod contract;
 mod errors;
 mod eval;
+mod expansion;
 mod facts;
 mod framing;
 mod items;
 mod library;
+mod lookahead;
+mod memo;
 mod names;
 mod operators;
 mod outline;
 mod scene;
 mod settings;
 mod shape;
+mod signs;
 mod stride;
 mod surface;
 mod value;
@@ -76,6 +80,8 @@ pub struct Compilation {
     pub diagnostics: Vec<Diagnostic>,
     /// The scene, unless there was an error.
     pub scene: Option<Scene>,
+    /// How many expressions were evaluated: what the scene cost to compile, the same on every machine.
+    pub work: usize,
 }
 
 impl Compilation {
@@ -141,13 +147,13 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
     let sources = library::sources(name, text);
     let (tree, mut diagnostics) = sdf_syntax::parse(USER_FILE, text);
     let syntax_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
-    let scene = std::thread::scope(|scope| {
+    let (scene, work) = std::thread::scope(|scope| {
         let work = || scene::elaborate(&sources, &tree, options);
         let thread = std::thread::Builder::new().name("elaborate".into()).stack_size(STACK);
         match thread.spawn_scoped(scope, work).map(|handle| handle.join()) {
-            Ok(Ok((scene, found))) => {
+            Ok(Ok((scene, found, work))) => {
                 diagnostics.extend(found);
-                scene
+                (scene, work)
             }
             Ok(Err(panic)) => std::panic::resume_unwind(panic),
             Err(error) => panic!("no thread for elaboration: {error}"),
@@ -159,7 +165,7 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
     }
     tidy(&mut diagnostics);
     let scene = scene.filter(|_| !syntax_errors);
-    Compilation { sources, tree, diagnostics, scene }
+    Compilation { sources, tree, diagnostics, scene, work }
 }
 
 /// Puts findings in the order of the source, each once.

@@ -4,6 +4,7 @@ use crate::builtin;
 use crate::contract::{self, Contract};
 use crate::errors;
 use crate::value::{Candidate, Module};
+use rustc_hash::FxHashMap;
 use sdf_syntax::tree::{
     Argument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name, Parameter, PostfixKind, Record,
     Scene, SettingsKind,
@@ -137,7 +138,7 @@ impl<'t> Names<'t> {
 
     /// Checks every name in the functions and scene of the user's file, called or not.
     pub fn check(&self, diagnostics: &mut Vec<Diagnostic>) {
-        let mut check = Check { names: self, module: Module::User, locals: Vec::new(), diagnostics };
+        let mut check = Check { names: self, module: Module::User, locals: Locals::default(), diagnostics };
         for function in &self.user.all_functions {
             let contract = self.user.contracts.get(&std::ptr::from_ref(*function).cast());
             check.with_parameters(&function.parameters, |c| {
@@ -334,23 +335,48 @@ fn same_parameters(a: &Function, b: &Function) -> bool {
     kinds(a) == kinds(b)
 }
 
+/// The variables round an expression, the innermost last.
+#[derive(Default)]
+struct Locals {
+    names: Vec<Arc<str>>,
+    /// How many variables have each name.
+    counts: FxHashMap<Arc<str>, usize>,
+}
+
+impl Locals {
+    fn contains(&self, name: &str) -> bool {
+        self.counts.get(name).is_some_and(|count| *count > 0)
+    }
+
+    fn push(&mut self, name: Arc<str>) {
+        *self.counts.entry(name.clone()).or_default() += 1;
+        self.names.push(name);
+    }
+
+    fn truncate(&mut self, len: usize) {
+        for name in self.names.drain(len..) {
+            self.counts.entry(name).and_modify(|count| *count -= 1);
+        }
+    }
+}
+
 /// The walk that looks for names that mean nothing.
 struct Check<'a, 't> {
     names: &'a Names<'t>,
     module: Module,
-    locals: Vec<Arc<str>>,
+    locals: Locals,
     diagnostics: &'a mut Vec<Diagnostic>,
 }
 
 impl Check<'_, '_> {
     fn name(&mut self, name: &str, span: Span) {
-        if !self.locals.iter().any(|l| &**l == name) && !self.names.means_something(name, self.module) {
-            self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals));
+        if !self.locals.contains(name) && !self.names.means_something(name, self.module) {
+            self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals.names));
         }
     }
 
     fn with_parameters(&mut self, parameters: &[Parameter], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
+        let before = self.locals.names.len();
         for parameter in parameters {
             if let Some(default) = &parameter.default {
                 self.expr(default);
@@ -362,8 +388,8 @@ impl Check<'_, '_> {
     }
 
     fn with_point(&mut self, names: &[&str], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
-        self.locals.extend(names.iter().map(|n| Arc::from(*n)));
+        let before = self.locals.names.len();
+        names.iter().for_each(|name| self.locals.push(Arc::from(*name)));
         f(self);
         self.locals.truncate(before);
     }
@@ -376,7 +402,7 @@ impl Check<'_, '_> {
     }
 
     fn bindings(&mut self, bindings: &[Binding], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
+        let before = self.locals.names.len();
         for binding in bindings {
             self.expr(&binding.value);
             self.locals.push(binding.name.text.clone());

@@ -14,7 +14,7 @@ pub(crate) fn stays_a_function(function: &Function, module: Module) -> bool {
 pub(crate) fn has_local_number(value: &Value<'_>) -> bool {
     match value {
         Value::Number(n) => n.is_local(),
-        Value::Record(r) => r.fields.iter().any(|(_, v)| has_local_number(v)),
+        Value::Record(r) => r.traits.local,
         _ => false,
     }
 }

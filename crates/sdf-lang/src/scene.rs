@@ -3,6 +3,7 @@
 use crate::context::Contexts;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
+use crate::expansion::{OPERATION_LIMIT, Size};
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
@@ -17,12 +18,12 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Elaborates a file: the scene, if there is no error, and what is to be said.
+/// Elaborates a file: the scene, if there is no error, what is to be said, and how many expressions were evaluated.
 pub(crate) fn elaborate(
     sources: &Sources,
     tree: &File,
     options: &Options,
-) -> (Option<Scene>, Vec<Diagnostic>) {
+) -> (Option<Scene>, Vec<Diagnostic>, usize) {
     let library = library::library();
     let mut diagnostics = Vec::new();
     let std: Vec<&File> = library.std.iter().collect();
@@ -45,16 +46,23 @@ pub(crate) fn elaborate(
         columns: BTreeSet::new(),
         finding_columns: false,
         scene_parts: Vec::new(),
-        active: HashMap::new(),
+        active: Default::default(),
         calls: 0,
         work: 0,
+        work_limit: 0,
+        in_loop: false,
+        is_trial: false,
+        skipped: 0,
+        inert: None,
+        memos: crate::memo::Memos::default(),
+        sizes: crate::expansion::Sizes::default(),
         place: Span::default(),
         framed: None,
         facts: crate::facts::Facts::new(),
         exhausted: false,
     };
     let scene = elaborator.scene(options);
-    let Elaborator { contexts, mut diagnostics, .. } = elaborator;
+    let Elaborator { contexts, mut diagnostics, work, .. } = elaborator;
     let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
         let mut program = contexts.into_program();
         program.entry = Some(made.pixel);
@@ -74,17 +82,19 @@ pub(crate) fn elaborate(
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
         if !fits {
-            let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
-            let word = Span { end: place.end.min(place.start + 5), ..place };
-            diagnostics.push(errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize));
+            diagnostics.push(too_many_operations(&names));
         }
         fits
     });
-    (scene, diagnostics)
+    (scene, diagnostics, work)
 }
 
-/// How many operations one evaluation of a scene may take, with calls expanded.
-pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
+/// What is said of a scene of which no part alone is too large. Only its first word is marked.
+fn too_many_operations(names: &Names) -> Diagnostic {
+    let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
+    let word = Span { end: place.end.min(place.start + 5), ..place };
+    errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize)
+}
 
 /// At how many points a promise is tried whenever a file is compiled.
 const ATTACK: usize = 400;
@@ -106,8 +116,9 @@ struct Made {
 impl<'t> Elaborator<'t> {
     fn scene(&mut self, options: &Options) -> Eval<Made> {
         self.check_overrides(options);
+        self.allow_finding();
         self.evaluate_all_items();
-        let shapes = self.scene_shapes();
+        let shapes = self.scene_shapes().and_then(|shapes| self.allow_writing_out(shapes));
         let Ok(shapes) = shapes else {
             // The settings are still checked, so that all mistakes are reported in one run.
             self.scene_parts = Vec::new();
@@ -229,24 +240,20 @@ impl<'t> Elaborator<'t> {
         if let Some((_, again)) = scenes.get(1) {
             self.diagnostics.push(errors::block_twice(*again, "scene", *place));
         }
-        let mut env = Env::new(Module::User);
-        let mut failed = false;
-        for binding in &scene.bindings {
-            match self.eval(&binding.value, &env) {
-                Ok(value) => {
-                    let value = match value {
-                        Value::Number(n) => Value::Number(n.named(&binding.name.text)),
-                        v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
-                    };
-                    env = env.bind(binding.name.text.clone(), value);
-                }
-                Err(Reported) => return Err(Reported),
-            }
-        }
+        let (env, unbound) =
+            self.bind_all(&scene.bindings, &Env::new(Module::User), |_, binding, value| match value {
+                Value::Number(n) => Value::Number(n.named(&binding.name.text)),
+                v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
+            });
+        let mut failed = !unbound.is_empty();
         let mut shapes = Vec::new();
         for expr in &scene.shapes {
-            let value = self.eval(expr, &env);
-            match value.and_then(|v| self.scene_shape(v, expr.span)) {
+            let value = self.eval_unless_hopeless(expr, &env, &unbound, Self::eval_ahead);
+            let found = value.and_then(|v| {
+                self.check_size(&v, expr.span)?;
+                self.scene_shape(v, expr.span)
+            });
+            match found {
                 Ok(found) => shapes.extend(found),
                 Err(Reported) => failed = true,
             }
@@ -256,6 +263,7 @@ impl<'t> Elaborator<'t> {
 
     /// One entry of the scene block: a shape, or a list of shapes.
     fn scene_shape(&mut self, value: Value<'t>, span: Span) -> Eval<Vec<Rc<Shape<'t>>>> {
+        self.count(span)?;
         match value {
             Value::List(list) => list
                 .items
@@ -269,6 +277,16 @@ impl<'t> Elaborator<'t> {
             ),
             other => self.as_shape(other, span).map(|s| vec![s]),
         }
+    }
+
+    /// Makes sure that the shapes of a scene are not too many to be written out, and allows the work that it takes.
+    fn allow_writing_out(&mut self, shapes: Vec<Rc<Shape<'t>>>) -> Eval<Vec<Rc<Shape<'t>>>> {
+        let size = shapes.iter().fold(Size::default(), |sum, s| sum + self.sizes.of(s));
+        if size.operations > OPERATION_LIMIT {
+            return self.report(too_many_operations(self.names));
+        }
+        self.allow_writing(size.expressions);
+        Ok(shapes)
     }
 
     /// The shapes that glow, each with what its surface looks like.

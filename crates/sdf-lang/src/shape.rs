@@ -191,10 +191,12 @@ impl<'t> Elaborator<'t> {
         match result {
             Ok(n) => {
                 let template = Value::Number(n.clone());
-                match self.close_with(&Arc::from("distance"), &template, vec![n]) {
-                    Value::Number(n) => Ok(Number { name: None, ..n }),
+                let distance = match self.close_with(&Arc::from("distance"), &template, vec![n]) {
+                    Value::Number(n) => Number { name: None, ..n },
                     _ => unreachable!("a number comes back as one"),
-                }
+                };
+                self.check_operations(&distance)?;
+                Ok(distance)
             }
             Err(Reported) => {
                 self.contexts.discard();

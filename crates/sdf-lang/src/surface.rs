@@ -7,6 +7,7 @@
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
+use crate::signs::Signs;
 use crate::value::{Env, Material, Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Builder, Constant, Node, Ternary, Type, Unary};
 use sdf_syntax::Span;
@@ -296,8 +297,11 @@ impl<'t> Elaborator<'t> {
         let adjoints = sdf_ir::adjoint::adjoints(builder, result, &stand_ins);
         let zero = builder.float(0.0);
         let shares: Vec<_> = adjoints.into_iter().map(|a| a.unwrap_or(zero)).collect();
-        let tools: Vec<bool> =
-            shares.iter().map(|share| never_positive(builder, *share) && !is_zero(builder, *share)).collect();
+        let mut signs = Signs::default();
+        let tools: Vec<bool> = shares
+            .iter()
+            .map(|share| signs.of(builder, *share).never_positive && !is_zero(builder, *share))
+            .collect();
         let (function, arguments) = self.contexts.finish_apart(shares);
         let depth = self.contexts.depth();
         let shares = self.contexts.builder().inline(&function, &arguments);
@@ -381,10 +385,11 @@ impl<'t> Elaborator<'t> {
     fn nearest(&mut self, parts: &[Part]) -> Mix {
         let mut best: Option<(Number, Vec<Number>, Number)> = None;
         let only_tools = parts.iter().all(|p| p.is_tool);
+        let mut signs = Signs::default();
         for part in parts.iter().filter(|p| only_tools || !p.is_tool) {
             let mut size = self.contexts.apply(Op::Unary(Unary::Abs), std::slice::from_ref(&part.distance));
             let share = self.contexts.value(&part.share);
-            if !only_tools && !never_negative(self.contexts.builder(), share) {
+            if !only_tools && !signs.of(self.contexts.builder(), share).never_negative {
                 let zero = Number::float(0.0);
                 let carves = self.contexts.apply(Op::Binary(Binary::Less), &[part.share.clone(), zero]);
                 let far = Number::float(crate::NOTHING);
@@ -568,37 +573,4 @@ fn is_straight(builder: &Builder) -> bool {
 
 fn is_zero(builder: &Builder, v: sdf_ir::Value) -> bool {
     builder.constant_of(v) == Some(Constant::Float(0.0))
-}
-
-/// Whether a share is certainly not above zero, from its form.
-fn never_positive(builder: &Builder, v: sdf_ir::Value) -> bool {
-    match builder.node(v) {
-        Node::Float(bits) => f64::from_bits(bits) <= 0.0,
-        Node::Unary(Unary::Negate, a) => never_negative(builder, a),
-        Node::Ternary(Ternary::Select, _, a, b) => never_positive(builder, a) && never_positive(builder, b),
-        Node::Binary(Binary::Add, a, b) => never_positive(builder, a) && never_positive(builder, b),
-        Node::Binary(Binary::Multiply, a, b) => {
-            (never_positive(builder, a) && never_negative(builder, b))
-                || (never_negative(builder, a) && never_positive(builder, b))
-        }
-        Node::Binary(Binary::Min, a, b) => never_positive(builder, a) || never_positive(builder, b),
-        _ => false,
-    }
-}
-
-/// Whether a share is certainly not below zero, from its form.
-fn never_negative(builder: &Builder, v: sdf_ir::Value) -> bool {
-    match builder.node(v) {
-        Node::Float(bits) => f64::from_bits(bits) >= 0.0,
-        Node::Unary(Unary::Negate, a) => never_positive(builder, a),
-        Node::Unary(Unary::Abs | Unary::Sqrt | Unary::Length, _) => true,
-        Node::Ternary(Ternary::Select, _, a, b) => never_negative(builder, a) && never_negative(builder, b),
-        Node::Binary(Binary::Add, a, b) => never_negative(builder, a) && never_negative(builder, b),
-        Node::Binary(Binary::Multiply, a, b) => {
-            (never_negative(builder, a) && never_negative(builder, b))
-                || (never_positive(builder, a) && never_positive(builder, b))
-        }
-        Node::Binary(Binary::Max, a, b) => never_negative(builder, a) || never_negative(builder, b),
-        _ => false,
-    }
 }

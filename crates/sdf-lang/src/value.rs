@@ -1,6 +1,7 @@
 //! What an expression can be while a scene is elaborated: numbers (known or not yet), shapes, materials, lists,
 //! records and functions.
 
+use rustc_hash::FxHashMap;
 use sdf_ir::{Constant, Type};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Binding, Block, Dimension, Expr, Function, Lambda, Record};
@@ -90,6 +91,8 @@ pub(crate) struct Traits {
     pub painted: bool,
     /// There is a shape inside whose slope may be above 1.
     pub steep: bool,
+    /// There is a number of an open function inside, in records alone.
+    pub local: bool,
 }
 
 impl Traits {
@@ -98,6 +101,7 @@ impl Traits {
             shapes: self.shapes || other.shapes,
             painted: self.painted || other.painted,
             steep: self.steep || other.steep,
+            local: self.local || other.local,
         }
     }
 }
@@ -143,12 +147,13 @@ impl<'t> Value<'t> {
 
     pub fn traits(&self) -> Traits {
         match self {
-            Value::Number(_) | Value::Material(_) => Traits::default(),
-            Value::Shape(s) => Traits { shapes: true, painted: s.painted, steep: s.steep },
-            Value::List(l) => l.traits,
+            Value::Number(n) => Traits { local: n.is_local(), ..Traits::default() },
+            Value::Material(_) => Traits::default(),
+            Value::Shape(s) => Traits { shapes: true, painted: s.painted, steep: s.steep, local: false },
+            Value::List(l) => Traits { local: false, ..l.traits },
             Value::Record(r) => r.traits,
             Value::Function(f) => match &**f {
-                Callable::Lambda { env, .. } => Traits { shapes: true, ..env.traits() },
+                Callable::Lambda { env, .. } => Traits { shapes: true, local: false, ..env.traits() },
                 Callable::Overloads(..) | Callable::Native(_) => Traits { shapes: true, ..Traits::default() },
             },
         }
@@ -297,6 +302,33 @@ struct Scope<'t> {
     value: Value<'t>,
     parent: Option<Rc<Scope<'t>>>,
     traits: Traits,
+    /// How many variables there are, this one included.
+    depth: usize,
+    chunk: Option<Chunk<'t>>,
+}
+
+/// A variable and those behind it, looked up at once: ten thousand variables would make a long walk.
+#[derive(Debug)]
+struct Chunk<'t> {
+    values: FxHashMap<Arc<str>, Value<'t>>,
+    /// What follows behind them.
+    parent: Option<Rc<Scope<'t>>>,
+}
+
+/// How many variables a chunk has.
+const CHUNK: usize = 64;
+
+impl<'t> Chunk<'t> {
+    /// The variable and those behind it, up to the next chunk.
+    fn new(name: &Arc<str>, value: &Value<'t>, parent: &Option<Rc<Scope<'t>>>) -> Chunk<'t> {
+        let mut values = FxHashMap::from_iter([(name.clone(), value.clone())]);
+        let mut rest = parent;
+        while let Some(scope) = rest.as_ref().filter(|scope| scope.chunk.is_none()) {
+            values.entry(scope.name.clone()).or_insert_with(|| scope.value.clone());
+            rest = &scope.parent;
+        }
+        Chunk { values, parent: rest.clone() }
+    }
 }
 
 impl<'t> Env<'t> {
@@ -308,10 +340,15 @@ impl<'t> Env<'t> {
     /// With one more variable, the innermost.
     pub fn bind(&self, name: Arc<str>, value: Value<'t>) -> Env<'t> {
         let traits = self.traits().join(value.traits());
-        Env {
-            module: self.module,
-            scope: Some(Rc::new(Scope { name, value, parent: self.scope.clone(), traits })),
-        }
+        let parent = self.scope.clone();
+        let depth = parent.as_ref().map_or(0, |scope| scope.depth) + 1;
+        let chunk = depth.is_multiple_of(CHUNK).then(|| Chunk::new(&name, &value, &parent));
+        Env { module: self.module, scope: Some(Rc::new(Scope { name, value, parent, traits, depth, chunk })) }
+    }
+
+    /// The innermost variable, by its place in memory, which tells the variables from others.
+    pub fn place(&self) -> *const () {
+        self.scope.as_ref().map_or(std::ptr::null(), |scope| Rc::as_ptr(scope).cast())
     }
 
     /// The innermost variable of this name.
@@ -321,7 +358,13 @@ impl<'t> Env<'t> {
             if &*s.name == name {
                 return Some(&s.value);
             }
-            scope = s.parent.as_deref();
+            scope = match &s.chunk {
+                Some(chunk) => match chunk.values.get(name) {
+                    Some(value) => return Some(value),
+                    None => chunk.parent.as_deref(),
+                },
+                None => s.parent.as_deref(),
+            };
         }
         None
     }

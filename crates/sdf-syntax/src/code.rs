@@ -20,6 +20,12 @@ macro_rules! codes {
                 match self { $(Code::$name => $title,)* }
             }
 
+            /// What the code means, in Markdown: with an example of it, fenced as `sdf wrong`, and the corrected
+            /// example, fenced as `sdf right`.
+            pub fn explanation(self) -> &'static str {
+                match self { $(Code::$name => include_str!(concat!("codes/", stringify!($name), ".md")),)* }
+            }
+
             /// The code as written: `E012`.
             pub fn as_str(self) -> &'static str {
                 match self { $(Code::$name => stringify!($name),)* }

@@ -45,18 +45,28 @@ pub struct Source {
 #[derive(Debug, Clone, Default)]
 pub struct Sources {
     files: Vec<Source>,
+    /// Where the lines of each file begin.
+    lines: Vec<Vec<u32>>,
 }
 
 impl Sources {
     /// Adds a file.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
-        self.files.push(Source { name: name.into(), text: text.into() });
+        let text = text.into();
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        self.lines.push(std::iter::once(0).chain(ends.map(|(at, _)| at as u32 + 1)).collect());
+        self.files.push(Source { name: name.into(), text });
         FileId((self.files.len() - 1) as u16)
     }
 
     /// The file, or `None` where `id` belongs to another compilation.
     pub fn get(&self, id: FileId) -> Option<&Source> {
         self.files.get(id.0 as usize)
+    }
+
+    /// The line of a byte, from 1.
+    pub fn line(&self, file: FileId, byte: u32) -> usize {
+        self.lines.get(file.0 as usize).map_or(1, |starts| starts.partition_point(|start| *start <= byte))
     }
 
     /// The line and column of a byte, both from 1; the column counts characters.
@@ -66,10 +76,9 @@ impl Sources {
         while !text.is_char_boundary(end) {
             end -= 1;
         }
-        let before = &text[..end];
-        let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
-        let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
-        (line, column)
+        let line = self.line(file, end as u32);
+        let start = self.lines.get(file.0 as usize).map_or(0, |starts| starts[line - 1] as usize);
+        (line, text[start..end].chars().count() + 1)
     }
 }
 

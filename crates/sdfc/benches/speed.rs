@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Ten shapes, with a blend, a shadow and occlusion.
 const SMALL: &str = "
@@ -139,6 +139,86 @@ fn largest_memory(mut child: Child) -> Option<u64> {
     most
 }
 
+/// The usual ways of writing this many shapes.
+fn ways(count: usize) -> Vec<(&'static str, String)> {
+    let all = || spheres(count).enumerate();
+    let lines = |line: &dyn Fn(usize, String) -> String| all().map(|(i, s)| line(i, s)).collect::<String>();
+    let scene = |entries: String| format!("scene {{\n{entries}}}\n");
+    let names = || scene((0..count).map(|i| format!("  s{i},\n")).collect());
+    let ball = "sphere(0.3).at(20 * sin(1.7 * i), 20 * cos(0.7 * i), 0.02 * i)";
+    vec![
+        ("entries of the scene", entries(count)),
+        ("a `for`", list(count)),
+        ("`a | b | …`", chain(count)),
+        (
+            "nested unions by recursion",
+            "fn tree(a, b) = if b - a < 1.5 { sphere(0.3).at(20 * sin(1.7 * a), 20 * cos(0.7 * a), 0.02 * a) } else {
+               let m = floor((a + b) / 2); tree(a, m) | tree(m, b) }\n"
+                .to_string()
+                + &scene(format!("tree(0, {count})")),
+        ),
+        (
+            "`.at().rotate().paint()`",
+            scene(lines(&|i, s| {
+                format!("  {s}.rotate((1, {}, 2), {}deg).paint(#{:06x}),\n", i % 10, i % 90, i * 977 % 0xffffff)
+            })),
+        ),
+        ("`let`s", lines(&|i, s| format!("let s{i} = {s}\n")) + &names()),
+        (
+            "materials",
+            lines(&|i, _| format!("material m{i} {{ color: {:.4}, specular: 0.5 }}\n", (i % 97) as f64 / 97.0))
+                + &scene(lines(&|i, s| format!("  {s}.paint(m{i}),\n"))),
+        ),
+        ("`smin` of all", scene(format!("smin({}, k: 0.1)", spheres(count).collect::<Vec<_>>().join(", ")))),
+        ("a `fold`", scene(format!("fold(0..{count}, nothing(), |all, i| all | {ball})"))),
+    ]
+}
+
+/// How the time grows with the number of shapes: the exponent of the power that fits the middle times of five sizes.
+fn growth(_: &mut Criterion) {
+    /// From a thousand to thirty thousand, each 2.34 times the one before.
+    const SIZES: [usize; 5] = [1000, 2340, 5477, 12_818, 30_000];
+    const ROUNDS: usize = 3;
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    println!("target of the growth of whole processes from 1000 to 30000 shapes: n^1.1");
+    let folder = tempfile::tempdir().expect("a folder");
+    for way in 0..ways(1).len() {
+        let scenes = SIZES.map(|size| {
+            let path = folder.path().join(format!("{size}.sdf"));
+            std::fs::write(&path, ways(size).swap_remove(way).1).expect("a scene");
+            path
+        });
+        // The sizes take turns, so that a busy machine slows all of them.
+        let mut times = vec![Vec::new(); SIZES.len()];
+        for _ in 0..ROUNDS {
+            for (scene, times) in scenes.iter().zip(&mut times) {
+                let begin = Instant::now();
+                assert!(start(scene).wait().expect("its end").success());
+                times.push(begin.elapsed().as_secs_f64());
+            }
+        }
+        let points: Vec<(f64, f64)> = SIZES
+            .iter()
+            .zip(&mut times)
+            .map(|(size, times)| {
+                times.sort_by(f64::total_cmp);
+                ((*size as f64).ln(), times[ROUNDS / 2].ln())
+            })
+            .collect();
+        let seconds: Vec<String> = points.iter().map(|(_, t)| format!("{:.2} s", t.exp())).collect();
+        println!("growth/{:<28} n^{:.2}  ({})", ways(1)[way].0, slope(&points), seconds.join(", "));
+    }
+}
+
+/// The slope of the line that fits points best.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
+    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+    mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2))
+}
+
 /// The interpreter, on all cores.
 fn draw(c: &mut Criterion) {
     println!("target of the colonnade at 640×360: 3 s on two cores");
@@ -158,5 +238,5 @@ fn draw(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, library, process, draw);
+criterion_group!(benches, library, process, growth, draw);
 criterion_main!(benches);

@@ -25,9 +25,23 @@ pub struct Arguments {
     /// How to compile.
     #[command(flatten)]
     pub compile: CompileArguments,
+    /// How messages are shown.
+    #[command(flatten)]
+    pub messages: MessageArguments,
+}
+
+/// How messages are shown, and which of them are failures.
+#[derive(Debug, Args)]
+pub struct MessageArguments {
     /// Whether messages are coloured
     #[arg(long, value_name = "WHEN", default_value = "auto", global = true)]
     pub color: Color,
+    /// How messages are written to standard error
+    #[arg(long, value_name = "FORMAT", default_value = "human", global = true)]
+    pub message_format: MessageFormat,
+    /// What is a failure besides errors: nothing is written then
+    #[arg(long, value_name = "WHAT", global = true)]
+    pub deny: Option<Denied>,
 }
 
 /// What to do.
@@ -39,6 +53,8 @@ pub enum Command {
     Check(CheckArguments),
     /// Print the distance, the gradient and the material at points
     Query(QueryArguments),
+    /// Say what the code of a message means, with an example and its correction
+    Explain(ExplainArguments),
 }
 
 /// `sdfc SCENE -o FILE`
@@ -130,6 +146,14 @@ pub struct QueryArguments {
     pub timings: bool,
 }
 
+/// `sdfc explain CODE…`
+#[derive(Debug, Args)]
+pub struct ExplainArguments {
+    /// The codes, as messages show them: E020, W001
+    #[arg(required = true, value_name = "CODE")]
+    pub codes: Vec<String>,
+}
+
 /// The arguments of this process. A point may begin with a minus sign, which would make an option of it: a space
 /// before it says that it is none.
 pub fn arguments() -> impl Iterator<Item = OsString> {
@@ -170,6 +194,24 @@ pub enum Color {
     Always,
     /// Never
     Never,
+}
+
+/// How messages are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MessageFormat {
+    /// With the lines of the source that they are about
+    Human,
+    /// One line each, for editors: `file:line:column: error[E020]: message (help: …)`
+    Short,
+    /// One JSON object a line, for programs
+    Json,
+}
+
+/// What can be made a failure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Denied {
+    /// Warnings
+    Warnings,
 }
 
 /// A target by its name, which is also its extension.

@@ -20,8 +20,9 @@ pub fn run(arguments: &CheckArguments, terminal: &Terminal) -> Result<(), Failur
     for path in &arguments.scenes {
         // A wrong call outweighs a wrong scene.
         done = match (check(path, arguments, &mut clock, &mut found, terminal), done) {
-            (Err(Failure::Scene), Ok(())) => Err(Failure::Scene),
-            (Ok(()) | Err(Failure::Scene), done) => done,
+            (Err(Failure::Scene), Ok(()) | Err(Failure::Denied)) => Err(Failure::Scene),
+            (Err(Failure::Denied), Ok(())) => Err(Failure::Denied),
+            (Ok(()) | Err(Failure::Scene | Failure::Denied), done) => done,
             (Err(failure), _) => {
                 terminal.failure(&failure);
                 Err(Failure::CallTold)
@@ -66,7 +67,7 @@ fn check(
             Severity::Warning => found.warnings += 1,
         }
     }
-    shader(&compiled).map(drop)
+    shader(&compiled, terminal).map(drop)
 }
 
 /// How much was found.

@@ -35,7 +35,7 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     if !arguments.emit.is_empty() {
         print(listing(&arguments.emit, &source.text, &compiled).as_bytes())?;
     }
-    let shader = shader(&compiled)?;
+    let shader = shader(&compiled, terminal)?;
     if let (Some(output), Some(format)) = (&output, format) {
         let file = clock.time("write and validate", || shader.file(format));
         let file = file.map_err(|bug| our_mistake(bug, &compiled, terminal))?;
@@ -47,8 +47,12 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     Ok(())
 }
 
-/// The shader of a scene without mistakes.
-pub fn shader(compiled: &Compiled) -> Result<&sdfc::Shader, Failure> {
+/// The shader of a scene without mistakes, and without warnings where they are denied.
+pub fn shader<'a>(compiled: &'a Compiled, terminal: &Terminal) -> Result<&'a sdfc::Shader, Failure> {
+    let is_denied = |d: &Diagnostic| terminal.denies_warnings() && d.severity() == Severity::Warning;
+    if !compiled.has_errors() && compiled.diagnostics.iter().any(is_denied) {
+        return Err(Failure::Denied);
+    }
     compiled.output.as_ref().map(|(_, shader)| shader).ok_or_else(|| {
         let mut errors = compiled.diagnostics.iter().filter(|d| d.severity() == Severity::Error);
         if errors.all(|d| d.code == Code::E065) { Failure::CallTold } else { Failure::Scene }

@@ -7,6 +7,8 @@ use std::process::ExitCode;
 pub enum Failure {
     /// The scene is wrong, as its diagnostics have said.
     Scene,
+    /// There are warnings, as the diagnostics have said, and they are denied.
+    Denied,
     /// The call is wrong, as has been said.
     CallTold,
     /// The call is wrong: its arguments, or the files that it names.
@@ -39,7 +41,7 @@ impl Failure {
     /// What the process returns.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Failure::Scene => 1,
+            Failure::Scene | Failure::Denied => 1,
             Failure::CallTold | Failure::Call { .. } => 2,
             Failure::Device(_) => 3,
             Failure::Bug => 101,

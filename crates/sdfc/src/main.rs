@@ -6,6 +6,7 @@ mod arguments;
 mod bug;
 mod check;
 mod compile;
+mod explain;
 mod facts;
 mod failure;
 mod input;
@@ -25,16 +26,16 @@ use terminal::Terminal;
 fn main() -> ExitCode {
     // SAFETY: no other thread runs yet. Without it a layer of the Vulkan loader writes to the terminal.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
-    bug::explain_panics();
-    let arguments = Arguments::parse_from(arguments::arguments());
-    let terminal = Terminal::new(arguments.color);
-    match run(&arguments, &terminal) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            terminal.failure(&failure);
-            failure.exit_code()
-        }
+    let arguments = Arguments::try_parse_from(arguments::arguments());
+    let arguments = arguments.unwrap_or_else(|error| terminal::refuse_call(&error));
+    bug::explain_panics(arguments.messages.message_format);
+    let terminal = Terminal::new(&arguments.messages);
+    let done = run(&arguments, &terminal);
+    if let Err(failure) = &done {
+        terminal.failure(failure);
     }
+    terminal.where_to_read_on();
+    done.map_or_else(|failure| failure.exit_code(), |()| ExitCode::SUCCESS)
 }
 
 fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -49,5 +50,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         Command::Render(arguments) => render::run(arguments, terminal),
         Command::Check(arguments) => check::run(arguments, terminal),
         Command::Query(arguments) => query::run(arguments, terminal),
+        Command::Explain(arguments) => explain::run(arguments),
     }
 }

@@ -17,7 +17,7 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
     let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
-    let shader = shader(&compiled)?;
+    let shader = shader(&compiled, terminal)?;
 
     let (width, height) = arguments.size;
     let frame = Frame { time: arguments.time, ..Frame::new(width, height) };

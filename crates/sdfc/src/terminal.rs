@@ -1,38 +1,56 @@
-//! Everything that people read: diagnostics, notes and the table of times, on standard error.
+//! Everything that people read, and what programs read of it: diagnostics, notes and the table of times, on standard
+//! error.
 //!
 //! Text is made with colours, and the stream takes them out where they are not wanted.
 
-use crate::arguments::Color;
+mod human;
+pub mod json;
+mod place;
+mod short;
+
+use crate::arguments::{Color, Denied, MessageArguments, MessageFormat};
 use crate::failure::Failure;
 use anstream::{AutoStream, ColorChoice};
-use ariadne::{Cache, Config, IndexType, Label, Report, ReportKind};
-use sdf_syntax::{Diagnostic, FileId, Severity, Sources, Span};
+use human::{GREEN, RED, RESET, message};
+use json::Message;
+use sdf_syntax::{Code, Diagnostic, Sources};
 use sdfc::Clock;
 use std::cell::RefCell;
-use std::fmt::{self, Debug, Display};
+use std::collections::BTreeSet;
 use std::io::{self, Stderr, Write};
-use std::ops::Range;
 use std::time::Duration;
 
-/// Lines longer than this, in bytes, are not shown: their mistakes would be lost in them.
-const LINE_LIMIT: usize = 400;
-/// Messages longer than this, in characters, are cut.
-const MESSAGE_LIMIT: usize = 1000;
+/// At most this many codes are named where more can be read about them.
+const CODES: usize = 3;
 
 /// Standard error.
 pub struct Terminal {
     stream: RefCell<AutoStream<Stderr>>,
+    format: MessageFormat,
+    denies_warnings: bool,
+    /// The codes that were shown.
+    codes: RefCell<BTreeSet<Code>>,
 }
 
 impl Terminal {
-    /// Standard error, with colours as wanted.
-    pub fn new(color: Color) -> Terminal {
-        let choice = match color {
+    /// Standard error, with colours and in a format as wanted.
+    pub fn new(arguments: &MessageArguments) -> Terminal {
+        let choice = match arguments.color {
             Color::Auto => AutoStream::choice(&io::stderr()),
             Color::Always => ColorChoice::Always,
             Color::Never => ColorChoice::Never,
         };
-        Terminal { stream: RefCell::new(AutoStream::new(io::stderr(), choice)) }
+        Terminal {
+            stream: RefCell::new(AutoStream::new(io::stderr(), choice)),
+            format: arguments.message_format,
+            denies_warnings: arguments.deny == Some(Denied::Warnings),
+            codes: RefCell::default(),
+        }
+    }
+
+    /// Whether a warning is a failure.
+    pub fn denies_warnings(&self) -> bool {
+        self.denies_warnings
     }
 
     /// Writes bytes; nobody is left to tell if that fails.
@@ -41,46 +59,78 @@ impl Terminal {
         let _ = stream.write_all(bytes).and_then(|()| stream.flush());
     }
 
+    /// Writes what has no colours: nothing in it is to be taken out.
+    fn write_plain(&self, text: &str) {
+        let mut stderr = io::stderr().lock();
+        let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
+    }
+
     /// Shows diagnostics, each with its place in the source.
     pub fn diagnostics(&self, sources: &Sources, diagnostics: &[Diagnostic]) {
-        let mut files = Files::new(sources);
-        let mut out = Vec::new();
-        for diagnostic in diagnostics {
-            let start = out.len();
-            if !files.can_show(diagnostic) || report(diagnostic, &mut files, &mut out).is_err() {
-                out.truncate(start);
-                out.extend_from_slice(in_words(diagnostic, sources).as_bytes());
+        self.codes.borrow_mut().extend(diagnostics.iter().map(|d| d.code));
+        let each = diagnostics.iter();
+        match self.format {
+            MessageFormat::Human => self.write(&human::diagnostics(sources, diagnostics)),
+            MessageFormat::Short => {
+                self.write_plain(&each.map(|d| short::diagnostic(d, sources)).collect::<String>());
+            }
+            MessageFormat::Json => {
+                self.write_plain(&each.map(|d| Message::of(d, sources).line()).collect::<String>());
             }
         }
-        self.write(&out);
     }
 
     /// Says why the command stops, unless its diagnostics have said so.
     pub fn failure(&self, failure: &Failure) {
         match failure {
             Failure::Scene | Failure::CallTold | Failure::Bug => {}
-            Failure::Device(text) => self.error(text, Some("`--device cpu` always works")),
-            Failure::Call { message: text, help } => self.error(text, help.as_deref()),
+            Failure::Denied => {
+                self.say("error", "there are warnings", Some("`--deny warnings` refuses them"))
+            }
+            Failure::Device(text) => self.say("error", text, Some("`--device cpu` always works")),
+            Failure::Call { message: text, help } => self.say("error", text, help.as_deref()),
         }
-    }
-
-    fn error(&self, text: &str, help: Option<&str>) {
-        let help = help.map_or_else(String::new, |help| format!("  {GREEN}help{RESET}: {help}\n"));
-        self.write(format!("{RED}error{RESET}: {}\n{help}", message(text)).as_bytes());
     }
 
     /// Says something that is worth knowing.
     pub fn note(&self, text: &str) {
-        self.write(format!("{GREEN}note{RESET}: {}\n", message(text)).as_bytes());
+        self.say("note", text, None);
     }
 
-    /// Says how something ended.
+    fn say(&self, kind: &'static str, text: &str, help: Option<&str>) {
+        match self.format {
+            MessageFormat::Human => {
+                let color = if kind == "error" { RED } else { GREEN };
+                let help = help
+                    .map_or_else(String::new, |help| format!("  {GREEN}help{RESET}: {}\n", message(help)));
+                self.write(format!("{color}{kind}{RESET}: {}\n{help}", message(text)).as_bytes());
+            }
+            MessageFormat::Short => self.write_plain(&short::entry("sdfc", kind, text, help)),
+            MessageFormat::Json => self.write_plain(&Message::without_place(kind, text, help).line()),
+        }
+    }
+
+    /// Says how something ended, to people.
     pub fn summary(&self, text: &str) {
-        self.write(format!("{}\n", message(text)).as_bytes());
+        if self.format == MessageFormat::Human {
+            self.write(format!("{}\n", message(text)).as_bytes());
+        }
+    }
+
+    /// Says once, behind all else, where more can be read about the diagnostics.
+    pub fn where_to_read_on(&self) {
+        let codes = self.codes.borrow();
+        if !codes.is_empty() && self.format == MessageFormat::Human {
+            let codes: Vec<&str> = codes.iter().take(CODES).map(|code| code.as_str()).collect();
+            self.write(format!("for more, try: sdfc explain {}\n", codes.join(" ")).as_bytes());
+        }
     }
 
     /// Shows how long each stage took.
     pub fn timings(&self, clock: &Clock) {
+        if self.format == MessageFormat::Json {
+            return self.write_plain(&json::timings(clock));
+        }
         let total = ("total", clock.stages().iter().map(|(_, time)| *time).sum());
         let rows = clock.stages().iter().chain([&total]);
         let row =
@@ -90,203 +140,27 @@ impl Terminal {
     }
 }
 
-const RED: &str = "\x1b[31m";
-const YELLOW: &str = "\x1b[33m";
-const GREEN: &str = "\x1b[32m";
-const RESET: &str = "\x1b[0m";
-
-fn kind(severity: Severity) -> (&'static str, ariadne::Color, &'static str) {
-    match severity {
-        Severity::Error => ("error", ariadne::Color::Red, RED),
-        Severity::Warning => ("warning", ariadne::Color::Yellow, YELLOW),
-    }
-}
-
-/// A diagnostic with the lines of the source that it is about.
-fn report(diagnostic: &Diagnostic, files: &mut Files, out: &mut Vec<u8>) -> io::Result<()> {
-    let (word, color, _) = kind(diagnostic.severity());
-    let place = files.place(diagnostic.span);
-    // A place without a text would not be marked.
-    let label = if diagnostic.label.is_empty() { "here" } else { &diagnostic.label };
-    let main = Label::new(place.clone()).with_color(color).with_message(message(label));
-    let related = diagnostic.related.iter().map(|label| {
-        Label::new(files.place(label.span))
-            .with_message(message(&label.text))
-            .with_color(ariadne::Color::Blue)
-    });
-    let config = Config::default().with_index_type(IndexType::Byte).with_compact(false);
-    let mut report = Report::build(ReportKind::Custom(word, color), place)
-        .with_config(config)
-        .with_code(diagnostic.code)
-        .with_message(message(&diagnostic.message))
-        .with_labels(related.chain([main]).collect::<Vec<_>>());
-    if let Some(help) = &diagnostic.help {
-        report = report.with_help(message(help));
-    }
-    report.finish().write(files, out)
-}
-
-/// A diagnostic without the source: where there is none to show, or its lines are too long.
-fn in_words(diagnostic: &Diagnostic, sources: &Sources) -> String {
-    let (word, _, color) = kind(diagnostic.severity());
-    let mut out = format!("{color}[{}] {word}{RESET}: {}\n", diagnostic.code, message(&diagnostic.message));
-    let mut line = |what: &str, text: &str| {
-        if !text.is_empty() {
-            out.push_str(&format!("  {what}{}\n", message(text)));
-        }
+/// Says that the arguments make no sense, or gives the help that was asked for, and ends the process. The format that
+/// is wanted stands in arguments that could not be read as a whole.
+pub fn refuse_call(error: &clap::Error) -> ! {
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let wants = |format: &str| {
+        words.iter().any(|word| *word == format!("--message-format={format}"))
+            || words.windows(2).any(|pair| pair[0] == "--message-format" && pair[1] == format)
     };
-    let name = sources.get(diagnostic.span.file).map_or("", |source| &source.name);
-    let label = match diagnostic.label.as_str() {
-        "" => String::new(),
-        label => format!(": {label}"),
-    };
-    if is_nowhere(diagnostic.span, sources) {
-        line("in ", &format!("{name}{label}"));
-    } else {
-        let at = |span: Span| {
-            let (line, column) = sources.line_column(span.file, span.start);
-            format!("{line}:{column}")
-        };
-        line("at ", &format!("{name}:{}{label}", at(diagnostic.span)));
-        for related in &diagnostic.related {
-            line("at ", &format!("{name}:{}: {}", at(related.span), related.text));
-        }
+    let (json, short) = (wants("json"), wants("short"));
+    if !error.use_stderr() || !(json || short) {
+        error.exit();
     }
-    line(&format!("{GREEN}help{RESET}: "), diagnostic.help.as_deref().unwrap_or_default());
-    out
-}
-
-/// Whether a span stands for the file as a whole.
-fn is_nowhere(span: Span, sources: &Sources) -> bool {
-    span.end == 0 || sources.get(span.file).is_none_or(|source| source.text.is_empty())
-}
-
-/// The sources as the library for reports wants them.
-struct Files<'a> {
-    sources: &'a Sources,
-    texts: Vec<Option<ariadne::Source>>,
-}
-
-impl<'a> Files<'a> {
-    fn new(sources: &'a Sources) -> Files<'a> {
-        Files { sources, texts: Vec::new() }
+    let text = error.render().to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    let said =
+        lines.iter().take_while(|line| !line.starts_with("Usage")).copied().collect::<Vec<_>>().join(" ");
+    let help = Some("`sdfc --help` shows how it is called");
+    match json {
+        true => eprint!("{}", Message::without_place("error", &said, help).line()),
+        false => eprint!("{}", short::entry("sdfc", "error", &said, help)),
     }
-
-    /// Whether the lines of a diagnostic can be shown.
-    fn can_show(&self, diagnostic: &Diagnostic) -> bool {
-        let related = diagnostic.related.iter().map(|label| label.span);
-        let mut spans = related.chain([diagnostic.span]);
-        !is_nowhere(diagnostic.span, self.sources) && spans.all(|span| self.has_short_lines(span))
-    }
-
-    fn has_short_lines(&self, span: Span) -> bool {
-        let Some(source) = self.sources.get(span.file) else { return false };
-        let bytes = source.text.as_bytes();
-        let (_, range) = self.place(span);
-        let start = bytes[..range.start].iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
-        let end =
-            bytes[range.end..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |at| range.end + at);
-        bytes[start..end].split(|b| *b == b'\n').all(|line| line.len() <= LINE_LIMIT)
-    }
-
-    /// A span within its file, on the borders of characters.
-    fn place(&self, span: Span) -> (FileId, Range<usize>) {
-        let text = self.sources.get(span.file).map_or("", |source| &source.text);
-        let border = |at: u32| {
-            let at = (at as usize).min(text.len());
-            (0..=at).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
-        };
-        let (start, end) = (border(span.start), border(span.end));
-        (span.file, start..end.max(start))
-    }
-}
-
-impl Cache<FileId> for &mut Files<'_> {
-    type Storage = String;
-
-    fn fetch(&mut self, id: &FileId) -> Result<&ariadne::Source, impl Debug> {
-        let place = id.0 as usize;
-        let Some(source) = self.sources.get(*id) else {
-            return Err("the file belongs to another compilation");
-        };
-        if self.texts.len() <= place {
-            self.texts.resize_with(place + 1, || None);
-        }
-        Ok(self.texts[place].get_or_insert_with(|| visible(&source.text).into()) as &ariadne::Source)
-    }
-
-    fn display<'b>(&self, id: &'b FileId) -> Option<impl fmt::Display + 'b> {
-        self.sources.get(*id).map(|source| Box::new(visible(&source.name)) as Box<dyn Display>)
-    }
-}
-
-/// A message that fits on a terminal, whatever names it quotes.
-fn message(text: &str) -> String {
-    match text.char_indices().nth(MESSAGE_LIMIT) {
-        Some((end, _)) => visible(&text[..end]) + "…",
-        None => visible(text),
-    }
-}
-
-/// The text without characters that a terminal would obey or that would end a line elsewhere than for us. Each is
-/// replaced by one of as many bytes, so that places stay the same.
-fn visible(text: &str) -> String {
-    let harmless = |c: char| match (c, c.len_utf8()) {
-        ('\n' | '\t', _) => c,
-        // The \r of a line that ends in \r\n would move to its beginning, where it is shown.
-        ('\r', _) => ' ',
-        ('\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}', _) => '\u{fffd}',
-        (_, 1) if c.is_control() => '?',
-        (_, 2) if c.is_control() => '\u{bf}',
-        _ => c,
-    };
-    text.chars().map(harmless).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use sdf_syntax::Code;
-
-    fn shown(text: &str, span: Range<usize>) -> String {
-        let mut sources = Sources::default();
-        let file = sources.add("a.sdf", text);
-        let diagnostic = Diagnostic::new(Code::E007, Span::new(file, span.start, span.end), "message")
-            .label("label")
-            .help("help");
-        let mut files = Files::new(&sources);
-        let mut out = Vec::new();
-        if files.can_show(&diagnostic) {
-            report(&diagnostic, &mut files, &mut out).unwrap();
-        } else {
-            out = in_words(&diagnostic, &sources).into_bytes();
-        }
-        anstream::adapter::strip_str(std::str::from_utf8(&out).unwrap()).to_string()
-    }
-
-    #[test]
-    fn a_place_is_shown_with_its_line() {
-        let out = shown("scene {\r\n  é(1)\r\n}\r\n", 11..13);
-        assert!(out.contains("a.sdf:2:3"), "{out}");
-        assert!(out.contains("é(1)") && out.contains("label") && out.contains("help"), "{out}");
-    }
-
-    #[test]
-    fn any_span_can_be_shown() {
-        let text = "a\u{85}b\u{2028}\x1b[31mé\r\n\r\x0b\n";
-        for start in 0..text.len() + 3 {
-            for end in start..text.len() + 5 {
-                let out = shown(text, start..end);
-                assert!(out.contains("message"), "{start}..{end}: {out}");
-                assert!(!out.contains('\x1b') && !out.contains('\r'), "{start}..{end}: {out}");
-            }
-        }
-        assert!(shown("", 0..0).contains("in a.sdf: label"));
-    }
-
-    #[test]
-    fn a_long_line_is_told_in_words() {
-        let out = shown(&"x".repeat(1_000_000), 500_000..500_001);
-        assert!(out.len() < 200 && out.contains("at a.sdf:1:500001: label"), "{out}");
-    }
+    std::process::exit(error.exit_code())
 }

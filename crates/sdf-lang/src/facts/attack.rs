@@ -256,7 +256,7 @@ fn moved(p: [f64; 3], distance: f64, axes: usize, seed: u64) -> [f64; 3] {
 fn value(uniform: &Uniform, frame: usize, index: usize) -> Constant {
     let any = random(1 << 60 | (frame * 64 + index) as u64);
     match (uniform.role, frame) {
-        (_, 0) | (Role::Setting | Role::Resolution, _) => uniform.default,
+        (_, 0) | (Role::Setting | Role::Resolution | Role::Orbit { .. }, _) => uniform.default,
         (Role::Time, _) => Constant::Float(any * 20.0),
         (Role::Mouse, _) => Constant::Vec2([any, 1.0 - any]),
         (Role::Param { range: Some((lo, _)), .. }, 1) => Constant::Float(lo),

@@ -1,0 +1,96 @@
+//! `sdfc explain`: each code has a text, whose examples are what it says.
+
+use sdf_syntax::Code;
+use sdfc::{Clock, Options, compile};
+use std::process::Command;
+
+/// An example of an explanation.
+struct Example {
+    is_right: bool,
+    options: Options,
+    text: String,
+}
+
+/// The fenced examples of a text, in order.
+fn examples(explanation: &str) -> Vec<Example> {
+    let mut found = Vec::new();
+    let mut lines = explanation.lines();
+    while let Some(line) = lines.next() {
+        let Some(head) = line.strip_prefix("```") else { continue };
+        let words: Vec<&str> = head.split_whitespace().collect();
+        assert!(words.len() >= 2 && words[0] == "sdf", "{line}");
+        let set = words[2..].chunks(2).map(|pair| {
+            assert_eq!(pair[0], "--set");
+            let (name, value) = pair[1].split_once('=').unwrap();
+            (name.to_string(), value.to_string())
+        });
+        let options = Options { set: set.collect(), ..Options::default() };
+        let is_right = match words[1] {
+            "right" => true,
+            "wrong" => false,
+            other => panic!("an example is right or wrong, not {other}"),
+        };
+        let text: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+        found.push(Example { is_right, options, text: text.join("\n") });
+    }
+    found
+}
+
+/// The codes of what is said of a scene.
+fn codes(example: &Example) -> Vec<Code> {
+    let compiled = compile("example.sdf", &example.text, &example.options, &mut Clock::default());
+    compiled.diagnostics.iter().map(|d| d.code).collect()
+}
+
+/// These have no example in a text: bytes that are no text, texts that are too large to be shown, and mistakes of the
+/// compiler. The command's tests give them.
+const WITHOUT_EXAMPLE: [Code; 3] = [Code::E001, Code::E009, Code::E070];
+
+#[test]
+fn examples_are_what_they_say() {
+    for code in Code::ALL {
+        let examples = examples(code.explanation());
+        assert!(code.explanation().len() > 100, "{code} is not explained");
+        assert!(code.explanation().lines().all(|line| line.len() <= 130), "{code} has a long line");
+        if WITHOUT_EXAMPLE.contains(code) {
+            assert!(examples.is_empty(), "{code} has an example: take it from the list");
+            continue;
+        }
+        assert!(examples.iter().any(|e| e.is_right) && examples.iter().any(|e| !e.is_right), "{code}");
+        for example in examples {
+            let expected = if example.is_right { vec![] } else { vec![*code] };
+            assert_eq!(codes(&example), expected, "{code}: {}", example.text);
+        }
+    }
+}
+
+fn explain(words: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_sdfc")).arg("explain").args(words).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn explanations_are_printed() {
+    for code in Code::ALL {
+        let (status, out, err) = explain(&[code.as_str()]);
+        assert_eq!((status, err.as_str()), (Some(0), ""), "{code}");
+        assert!(out.starts_with(&format!("{code}: {}\n\n", code.title())) && !out.contains("```"), "{out}");
+    }
+    let (_, upper, _) = explain(&["E020"]);
+    assert!(upper.contains("\n    scene { sphear(1) }\n"), "{upper}");
+    assert_eq!(explain(&["e020"]), (Some(0), upper.clone(), String::new()));
+    let (_, several, _) = explain(&["E020", "w001"]);
+    assert!(several.starts_with(&upper) && several.contains("\nW001: "), "{several}");
+}
+
+#[test]
+fn a_code_that_is_not_there_is_refused() {
+    for (word, help) in [("E999", "codes are E001 to "), ("E2O", "codes are"), ("scene.sdf", "codes are")] {
+        let (status, out, err) = explain(&[word]);
+        assert_eq!((status, out.as_str()), (Some(2), ""));
+        assert!(err.starts_with(&format!("error: there is no code {word}\n")) && err.contains(help), "{err}");
+    }
+    assert!(explain(&["E0200"]).2.contains("did you mean E020?"));
+    assert_eq!(explain(&[]).0, Some(2));
+}

@@ -92,7 +92,7 @@ impl<'t> Elaborator<'t> {
         env: &Env<'t>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        let candidates = self.overloads(name, env.module);
+        let candidates = self.overloads(name, env.module, name_span)?;
         if candidates.is_empty() {
             let callee = self.global(name, env.module, name_span);
             let given = self.given(None, arguments, env);
@@ -134,19 +134,18 @@ impl<'t> Elaborator<'t> {
             let given = self.given(Some(receiver), arguments, env)?;
             return self.apply_value(local, given, span);
         }
-        let mut candidates = self.overloads(&name.text, env.module);
-        if candidates.is_empty() && self.names.module(env.module).values.contains_key(&name.text) {
+        if self.names.is_value(&name.text, env.module) {
             let item = self.global(&name.text, env.module, name.span)?;
             if matches!(item, Value::Function(_) | Value::Shape(_)) {
                 let given = self.given(Some(receiver), arguments, env)?;
                 return self.apply_value(item, given, span);
             }
-            // What cannot be called hides no method.
-            candidates = self.overloads(&name.text, Module::Library);
         }
+        let candidates = self.methods(&name.text, env.module, name.span)?;
         let given = self.given(Some(receiver), arguments, env);
         if candidates.is_empty() {
-            return self.report(self.names.unknown_function(&name.text, name.span, env.module));
+            let diagnostic = self.names.unknown_function(&name.text, name.span, env.module);
+            return self.report_unknown(diagnostic, env.module);
         }
         self.call_overloads(&name.text, &candidates, given?, span)
     }
@@ -182,7 +181,7 @@ impl<'t> Elaborator<'t> {
 
     /// A call of the library's function for an operator on shapes.
     pub fn call_named(&mut self, name: &str, arguments: Vec<Value<'t>>, span: Span) -> Eval<Value<'t>> {
-        let candidates = self.overloads(name, Module::Library);
+        let candidates = self.overloads(name, Module::Library, span)?;
         self.call_overloads(&Arc::from(name), &candidates, Given::positional(arguments), span)
     }
 
@@ -319,7 +318,7 @@ impl<'t> Elaborator<'t> {
         };
         self.leave(place);
         let value = result?;
-        if module != Module::User {
+        if !module.is_user() {
             return Ok(value);
         }
         let thunk = Thunk::Call { function, module, arguments };
@@ -443,7 +442,7 @@ impl<'t> Elaborator<'t> {
         given: Given<'t>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::User)).collect();
+        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::ROOT)).collect();
         let fit = match fit(&mut self.contexts, &slots, &given) {
             Ok(fit) => fit,
             Err(why) => {

@@ -1,5 +1,6 @@
 //! The diagnostics of meaning: one function each. The message says what is wrong, the help what to do.
 
+use crate::import::{DEPTH_LIMIT, Refusal};
 use sdf_syntax::tree::Name;
 use sdf_syntax::{Code, Diagnostic, Span};
 
@@ -43,6 +44,52 @@ pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic 
         }
     }
     d.help("break the circle")
+}
+
+pub(crate) fn import_refused(span: Span, path: &str, refusal: &Refusal) -> Diagnostic {
+    let d = Diagnostic::new(Code::E024, span, format!("cannot import `{path}`: {}", refusal.message));
+    match &refusal.help {
+        Some(help) => d.help(help.clone()),
+        None => d,
+    }
+}
+
+pub(crate) fn imports_without_files(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E024, span, "this scene is not compiled from a folder, so it can import nothing")
+        .help("put everything into one file")
+}
+
+/// `path` are the names of the files, the first one once more at the end.
+pub(crate) fn import_circle(span: Span, path: &[&str]) -> Diagnostic {
+    Diagnostic::new(Code::E022, span, format!("`{}` imports itself: {}", path[0], path.join(" → ")))
+        .label("closes the circle")
+        .help("move what both need into a file of its own")
+}
+
+pub(crate) fn imports_too_deep(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E009, span, format!("files import each other more than {DEPTH_LIMIT} deep"))
+        .label("too deep from here on")
+}
+
+pub(crate) fn too_many_imports(span: Span, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E009, span, format!("the scene imports more than {limit}"))
+        .label("reached the limit here")
+}
+
+/// A name that another file defines, which this one does not import: imports are not passed on.
+pub(crate) fn not_imported_here(span: Span, name: &str, place: Span) -> Diagnostic {
+    Diagnostic::new(Code::E020, span, format!("nothing is called `{name}` in this file"))
+        .label("not found")
+        .related(place, "defined in this file, which is not imported there")
+        .help("import that file as well: what a file imports is not passed on")
+}
+
+pub(crate) fn import_clash(span: Span, name: &str, first: Span, second: Span) -> Diagnostic {
+    Diagnostic::new(Code::E025, span, format!("two imported files define `{name}`"))
+        .label("which one is meant?")
+        .related(first, "one is here")
+        .related(second, "the other is here")
+        .help("rename one of them, or define your own, which hides both")
 }
 
 pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic {

@@ -74,7 +74,7 @@ pub(crate) struct Elaborator<'t> {
     pub work: usize,
     /// How far rays have to go in a scene that the camera frames by itself.
     pub framed: Option<f64>,
-    /// What of the user's file is being evaluated.
+    /// What of the user's files is being evaluated.
     pub place: Span,
     /// Whether the limit on work was reached.
     pub exhausted: bool,
@@ -82,7 +82,7 @@ pub(crate) struct Elaborator<'t> {
 
 impl<'t> Elaborator<'t> {
     pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
-        if diagnostic.span.file != crate::USER_FILE {
+        if crate::library::is_ours(diagnostic.span.file) {
             // What is wrong inside the library was caused by what the user's file asked of it.
             diagnostic.span = self.place;
             diagnostic.related.clear();
@@ -91,14 +91,14 @@ impl<'t> Elaborator<'t> {
         Err(Reported)
     }
 
-    /// The line of the user's file that a place is in; none for the library's.
+    /// The line of the root file that a place is in; none for other files.
     pub fn line(&self, span: Span) -> Option<u32> {
         (span.file == crate::USER_FILE).then(|| self.sources.line_column(span.file, span.start).0 as u32)
     }
 
     /// Counts one piece of work, and refuses to do too much of it.
     fn count(&mut self, span: Span) -> Eval<()> {
-        if span.file == crate::USER_FILE {
+        if !crate::library::is_ours(span.file) {
             self.place = span;
         }
         self.work += 1;
@@ -259,8 +259,18 @@ impl<'t> Elaborator<'t> {
     }
 
     /// All functions that `name` can mean where no variable hides them.
-    pub fn overloads(&self, name: &str, module: Module) -> Vec<Candidate<'t>> {
-        self.names.functions(name, module)
+    pub fn overloads(&mut self, name: &str, module: Module, span: Span) -> Eval<Vec<Candidate<'t>>> {
+        self.names.functions(name, module).or_else(|clash| self.report(clash.diagnostic(name, span)))
+    }
+
+    /// All functions that `name` can mean behind a `.`.
+    pub fn methods(&mut self, name: &str, module: Module, span: Span) -> Eval<Vec<Candidate<'t>>> {
+        self.names.methods(name, module).or_else(|clash| self.report(clash.diagnostic(name, span)))
+    }
+
+    /// Reports a name that means nothing, unless it may come from a file that could not be imported.
+    pub fn report_unknown<T>(&mut self, diagnostic: Diagnostic, module: Module) -> Eval<T> {
+        if self.names.module(module).incomplete { Err(Reported) } else { self.report(diagnostic) }
     }
 
     // ---- postfix operations
@@ -441,7 +451,7 @@ impl<'t> Elaborator<'t> {
     /// An operation on two numbers; floats are widened where the operation wants equal types.
     pub fn binary(&mut self, op: Binary, a: &Number, b: &Number, span: Span) -> Eval<Number> {
         // The library's code means the total quotient: a size of 0 is no mistake of its own.
-        if span.file == crate::USER_FILE
+        if !crate::library::is_ours(span.file)
             && matches!(op, Binary::Divide | Binary::Modulo)
             && a.known().is_some()
             && b.known().is_some_and(|c| c.components().contains(&0.0))

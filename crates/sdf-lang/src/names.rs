@@ -2,13 +2,14 @@
 
 use crate::builtin;
 use crate::errors;
+use crate::import::Files;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
     Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name,
     Parameter, PostfixKind, Record, Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// An item that a name means.
@@ -17,6 +18,16 @@ pub(crate) enum Item<'t> {
     Let(&'t Binding),
     Param { name: &'t Name, default: &'t Expr, range: Option<&'t (Expr, Expr)> },
     Material(&'t Name, &'t Record),
+}
+
+impl Item<'_> {
+    /// The place of its name.
+    pub fn span(&self) -> Span {
+        match self {
+            Item::Let(binding) => binding.name.span,
+            Item::Param { name, .. } | Item::Material(name, _) => name.span,
+        }
+    }
 }
 
 /// The items of one module.
@@ -35,6 +46,10 @@ pub(crate) struct Items<'t> {
     pub slopes: HashMap<*const (), &'t Expr>,
     /// What items require, by their places in memory.
     pub requirements: HashMap<*const (), Vec<Requirement<'t>>>,
+    /// The files whose items it sees, as far as its own do not hide them. What those import it does not see.
+    pub imports: Vec<Module>,
+    /// Whether a file that it imports could not be read, so that a name that means nothing may come from there.
+    pub incomplete: bool,
     all_functions: Vec<&'t Function>,
 }
 
@@ -46,47 +61,188 @@ pub(crate) struct Requirement<'t> {
     pub span: Span,
 }
 
+/// What a name means in a module, variables and built-in constants apart.
+pub(crate) enum Meaning<'t> {
+    Value(Module, Item<'t>),
+    Functions(Vec<Candidate<'t>>),
+    Clash(Clash),
+    Nothing,
+}
+
+/// Where two imported files define what could be one another.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clash(Span, Span);
+
+impl Clash {
+    /// What is said where the name is used.
+    pub fn diagnostic(self, name: &str, span: Span) -> Diagnostic {
+        errors::import_clash(span, name, self.0, self.1)
+    }
+}
+
 /// The items of all modules.
 pub(crate) struct Names<'t> {
+    /// The root file.
     pub user: Items<'t>,
+    /// The files that are imported, by their numbers less 1.
+    imported: Vec<Items<'t>>,
+    /// The names that params have outside their files, by module and name.
+    params: HashMap<(Module, Arc<str>), Arc<str>>,
     pub library: Items<'t>,
     pub runtime: Items<'t>,
 }
 
 impl<'t> Names<'t> {
-    /// Collects the items of the user's file, the library and the renderer.
+    /// Collects the items of the user's files, the library and the renderer.
     pub fn new(
-        user: &'t File,
+        root: &'t File,
+        files: &'t Files,
         library: &[&'t File],
         runtime: &[&'t File],
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Names<'t> {
-        Names {
-            user: collect(&[user], Module::User, diagnostics),
+        let module = |place: &usize| Module::User(*place as u16 + 1);
+        let mut user = collect(&[root], Module::ROOT, diagnostics);
+        user.imports = files.of_root.places.iter().map(module).collect();
+        user.incomplete = files.of_root.failed;
+        let mut imported = Vec::new();
+        for (place, file) in files.imported.iter().enumerate() {
+            let mut items = collect(&[&file.tree], module(&place), diagnostics);
+            items.imports = file.imports.places.iter().map(module).collect();
+            items.incomplete = file.imports.failed;
+            imported.push(items);
+        }
+        let mut names = Names {
+            user,
+            imported,
+            params: HashMap::new(),
             library: collect(library, Module::Library, diagnostics),
             runtime: collect(runtime, Module::Runtime, diagnostics),
-        }
+        };
+        names.params = param_names(&names, files);
+        names
+    }
+
+    /// The user's files, the root first.
+    pub fn user_modules(&self) -> impl Iterator<Item = (Module, &Items<'t>)> {
+        let imported = self.imported.iter().enumerate().map(|(i, items)| (Module::User(i as u16 + 1), items));
+        std::iter::once((Module::ROOT, &self.user)).chain(imported)
+    }
+
+    /// The name that a param has outside its file.
+    pub fn param_name(&self, module: Module, name: &Name) -> Arc<str> {
+        self.params.get(&(module, name.text.clone())).unwrap_or(&name.text).clone()
+    }
+
+    /// The name by which `--set` knows a param.
+    pub fn name_to_set(&self, module: Module, name: &Name) -> Arc<str> {
+        if module == Module::ROOT { name.text.clone() } else { self.param_name(module, name) }
+    }
+
+    /// The names by which `--set` knows the params, in the order of the files.
+    pub fn names_to_set(&self) -> Vec<Arc<str>> {
+        let params = self.user_modules().flat_map(|(module, items)| {
+            let params = items.order.iter().filter(|(_, item)| matches!(item, Item::Param { .. }));
+            params.map(move |(name, _)| self.name_to_set(module, name))
+        });
+        params.collect()
     }
 
     pub fn module(&self, module: Module) -> &Items<'t> {
         match module {
             Module::Library => &self.library,
             Module::Runtime => &self.runtime,
-            Module::User => &self.user,
+            Module::ROOT => &self.user,
+            Module::User(number) => &self.imported[usize::from(number) - 1],
         }
     }
 
-    /// All functions of a name: the module's own, else the library's and the built-in ones together.
-    pub fn functions(&self, name: &str, module: Module) -> Vec<Candidate<'t>> {
+    /// What a name means: what the module itself defines, else what it imports, else what the library has.
+    pub fn meaning(&self, name: &str, module: Module) -> Meaning<'t> {
         let own = self.module(module);
-        if module != Module::Library {
-            if let Some(list) = own.functions.get(name) {
-                return list.iter().map(|f| Candidate::Written(f, module)).collect();
+        if let Some(item) = own.values.get(name) {
+            return Meaning::Value(module, *item);
+        }
+        match self.imported_meaning(name, module) {
+            Meaning::Nothing => {}
+            meaning if !own.functions.contains_key(name) => return meaning,
+            _ => {}
+        }
+        match self.functions(name, module) {
+            Err(clash) => Meaning::Clash(clash),
+            Ok(functions) if !functions.is_empty() => Meaning::Functions(functions),
+            Ok(_) => match self.library.values.get(name) {
+                Some(item) => Meaning::Value(Module::Library, *item),
+                None => Meaning::Nothing,
+            },
+        }
+    }
+
+    /// Whether a name means a value that the module defines or imports.
+    pub fn is_value(&self, name: &str, module: Module) -> bool {
+        let own = self.module(module);
+        own.values.contains_key(name)
+            || !own.functions.contains_key(name)
+                && matches!(self.imported_meaning(name, module), Meaning::Value(..))
+    }
+
+    /// What the files that a module imports define under a name, each for itself; what they import is not seen.
+    /// Functions of several files are overloads of one another as they would be in one file.
+    fn imported_meaning(&self, name: &str, module: Module) -> Meaning<'t> {
+        let mut value: Option<(Module, Item<'t>)> = None;
+        let mut functions: Vec<(Module, &'t Function)> = Vec::new();
+        for from in &self.module(module).imports {
+            let items = self.module(*from);
+            let before = value.map(|(_, item)| item.span()).or(functions.first().map(|(_, f)| f.name.span));
+            if let Some(item) = items.values.get(name) {
+                if let Some(before) = before {
+                    return Meaning::Clash(Clash(before, item.span()));
+                }
+                value = Some((*from, *item));
             }
-            if own.values.contains_key(name) {
-                return Vec::new();
+            for function in items.functions.get(name).into_iter().flatten() {
+                let same = functions.iter().find(|(_, f)| same_parameters(f, function));
+                let other = value.map(|(_, item)| item.span()).or(same.map(|(_, f)| f.name.span));
+                if let Some(other) = other {
+                    return Meaning::Clash(Clash(other, function.name.span));
+                }
+                functions.push((*from, function));
             }
         }
+        match value {
+            Some((from, item)) => Meaning::Value(from, item),
+            None if functions.is_empty() => Meaning::Nothing,
+            None => Meaning::Functions(
+                functions.into_iter().map(|(from, f)| Candidate::Written(f, from)).collect(),
+            ),
+        }
+    }
+
+    /// All functions of a name: the module's own, else the imported ones, else the library's and the built-in
+    /// ones together. There are none where a value has the name.
+    pub fn functions(&self, name: &str, module: Module) -> Result<Vec<Candidate<'t>>, Clash> {
+        if module != Module::Library && self.is_value(name, module) {
+            return Ok(Vec::new());
+        }
+        self.methods(name, module)
+    }
+
+    /// The same behind a `.`, where a value that cannot be called hides nothing.
+    pub fn methods(&self, name: &str, module: Module) -> Result<Vec<Candidate<'t>>, Clash> {
+        if module != Module::Library {
+            if let Some(list) = self.module(module).functions.get(name) {
+                return Ok(list.iter().map(|f| Candidate::Written(f, module)).collect());
+            }
+            match self.imported_meaning(name, module) {
+                Meaning::Functions(functions) => return Ok(functions),
+                Meaning::Clash(clash) => return Err(clash),
+                Meaning::Value(..) | Meaning::Nothing => {}
+            }
+        }
+        Ok(self.library_functions(name))
+    }
+
+    fn library_functions(&self, name: &str) -> Vec<Candidate<'t>> {
         let written = self.library.functions.get(name).into_iter().flatten();
         let built_in = builtin::all().iter().filter(|b| b.name == name);
         written
@@ -108,12 +264,26 @@ impl<'t> Names<'t> {
             );
         }
         let own = self.module(module);
-        let mut all: Vec<&str> = own.values.keys().map(|k| &**k).collect();
+        let imported = own.imports.iter().map(|from| self.module(*from));
+        let mut all: Vec<&str> =
+            imported.chain([own]).flat_map(|items| items.values.keys()).map(|k| &**k).collect();
         all.extend(locals.iter().map(|l| &**l));
         all.extend(builtin::CONSTANTS);
         all.extend(self.function_names(module));
         all.sort_unstable();
-        errors::unknown_name(span, name, sdf_syntax::foreign_name(name), did_you_mean(name, all))
+        self.unknown_name(name, span, all)
+    }
+
+    /// What is said of a name that is none of `all`.
+    fn unknown_name(&self, name: &str, span: Span, all: Vec<&str>) -> Diagnostic {
+        let elsewhere = self.user_modules().find_map(|(_, items)| {
+            let function = items.functions.get(name).map(|f| f[0].name.span);
+            items.values.get(name).map(Item::span).or(function)
+        });
+        match elsewhere {
+            Some(place) => errors::not_imported_here(span, name, place),
+            None => errors::unknown_name(span, name, sdf_syntax::foreign_name(name), did_you_mean(name, all)),
+        }
     }
 
     /// What is said of a function that is not there.
@@ -127,37 +297,36 @@ impl<'t> Names<'t> {
         }
         let mut all: Vec<&str> = self.function_names(module).collect();
         all.sort_unstable();
-        errors::unknown_name(span, name, sdf_syntax::foreign_name(name), did_you_mean(name, all))
+        self.unknown_name(name, span, all)
     }
 
     fn function_names(&self, module: Module) -> impl Iterator<Item = &str> {
-        let own = self.module(module).functions.keys();
-        let library = self.library.functions.keys();
-        own.chain(library).map(|k| &**k).chain(builtin::all().iter().map(|b| b.name))
+        let own = self.module(module);
+        let imported = own.imports.iter().map(|from| self.module(*from));
+        let user = imported.chain([own]).flat_map(|items| items.functions.keys());
+        user.chain(self.library.functions.keys()).map(|k| &**k).chain(builtin::all().iter().map(|b| b.name))
     }
 
-    fn means_something(&self, name: &str, module: Module) -> bool {
-        self.module(module).values.contains_key(name)
-            || self.module(module).functions.contains_key(name)
-            || self.library.functions.contains_key(name)
-            || builtin::CONSTANTS.contains(&name)
-            || builtin::all().iter().any(|b| b.name == name)
-    }
-
-    /// Checks every name in the functions and scene of the user's file, called or not.
+    /// Checks every name in the functions and scene of the user's files, called or not.
     pub fn check(&self, diagnostics: &mut Vec<Diagnostic>) {
-        let mut check = Check { names: self, module: Module::User, locals: Vec::new(), diagnostics };
-        for function in &self.user.all_functions {
-            let requirements = self.user.requirements.get(&std::ptr::from_ref(*function).cast());
+        for (module, items) in self.user_modules() {
+            self.check_module(module, items, diagnostics);
+        }
+    }
+
+    fn check_module(&self, module: Module, items: &Items<'t>, diagnostics: &mut Vec<Diagnostic>) {
+        let mut check = Check { names: self, module, locals: Vec::new(), diagnostics };
+        for function in &items.all_functions {
+            let requirements = items.requirements.get(&std::ptr::from_ref(*function).cast());
             check.with_parameters(&function.parameters, |c| {
                 requirements.into_iter().flatten().for_each(|r| c.expr(r.condition));
                 c.expr(&function.body);
             });
         }
-        for (_, item) in &self.user.order {
+        for (_, item) in &items.order {
             match item {
                 Item::Let(binding) => {
-                    let requirements = self.user.requirements.get(&std::ptr::from_ref(*binding).cast());
+                    let requirements = items.requirements.get(&std::ptr::from_ref(*binding).cast());
                     requirements.into_iter().flatten().for_each(|r| check.expr(r.condition));
                     check.expr(&binding.value);
                 }
@@ -171,10 +340,37 @@ impl<'t> Names<'t> {
                 }
             }
         }
-        for (scene, _) in &self.user.scenes {
+        // The scene of an imported file is ignored.
+        for (scene, _) in items.scenes.iter().filter(|_| module == Module::ROOT) {
             check.bindings(&scene.bindings, |c| scene.shapes.iter().for_each(|s| c.expr(s)));
         }
     }
+}
+
+/// The names that the renderer's uniforms and constants have, which no param can have outside its file.
+const TAKEN: [&str; 6] = ["time", "mouse", "resolution", "tolerance", "far", "steps"];
+
+/// The names that params have outside their files: their own, or where another has that already, with the name of
+/// their file before it.
+fn param_names(names: &Names<'_>, files: &Files) -> HashMap<(Module, Arc<str>), Arc<str>> {
+    let mut out = HashMap::new();
+    let mut taken: HashSet<Arc<str>> = TAKEN.iter().map(|name| Arc::from(*name)).collect();
+    for (module, items) in names.user_modules() {
+        let stem = match module {
+            Module::User(number @ 1..) => files.imported[usize::from(number) - 1].stem.clone(),
+            _ => "param".to_string(),
+        };
+        for (name, _) in items.order.iter().filter(|(_, item)| matches!(item, Item::Param { .. })) {
+            let further = (2..).map(|i| format!("{stem}_{}_{i}", name.text));
+            let mut tries =
+                [name.text.to_string(), format!("{stem}_{}", name.text)].into_iter().chain(further);
+            let free = tries.find(|t| !taken.contains(t.as_str())).expect("there is no end of names");
+            let outer: Arc<str> = Arc::from(free);
+            taken.insert(outer.clone());
+            out.insert((module, name.text.clone()), outer);
+        }
+    }
+    out
 }
 
 fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
@@ -194,7 +390,7 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
             items.requirements.insert(place, requirements);
         }
         // What a user wrote never reaches an output, so only the compiler's own files are quoted.
-        if let (Some(place), false, false) = (place, module == Module::User, item.docs.is_empty()) {
+        if let (Some(place), false, false) = (place, module.is_user(), item.docs.is_empty()) {
             items.docs.insert(place, first_sentence(&item.docs));
         }
         if let (ItemKind::Fn(_), Some(place), Some(slope)) =
@@ -203,13 +399,8 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
             items.slopes.insert(place, slope);
         }
         match &item.kind {
-            ItemKind::Import { .. } => {
-                diagnostics.push(errors::not_built_yet(
-                    item.span,
-                    "`import`",
-                    "put everything into one file for now",
-                ));
-            }
+            // What it brings stands in `Items::imports`.
+            ItemKind::Import { .. } => {}
             ItemKind::Fn(function) => {
                 if let Some((span, is_function)) = first.get(&function.name.text)
                     && !is_function
@@ -350,7 +541,7 @@ fn requirements<'t>(
             ("lipschitz", [AttributeArgument::Expr(_)]) => {}
             ("lipschitz", _) => diagnostics.push(errors::wrong_slope(attribute.span)),
             // The library's promises are what its tests hold it to.
-            _ if module != Module::User => {}
+            _ if !module.is_user() => {}
             _ => diagnostics.push(errors::promise_not_built_yet(attribute.span, name)),
         }
     }
@@ -404,8 +595,17 @@ struct Check<'a, 't> {
 
 impl Check<'_, '_> {
     fn name(&mut self, name: &str, span: Span) {
-        if !self.locals.iter().any(|l| &**l == name) && !self.names.means_something(name, self.module) {
-            self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals));
+        if self.locals.iter().any(|l| &**l == name) {
+            return;
+        }
+        match self.names.meaning(name, self.module) {
+            Meaning::Clash(clash) => self.diagnostics.push(clash.diagnostic(name, span)),
+            Meaning::Nothing
+                if !builtin::CONSTANTS.contains(&name) && !self.names.module(self.module).incomplete =>
+            {
+                self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals));
+            }
+            _ => {}
         }
     }
 

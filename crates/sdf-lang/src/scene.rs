@@ -3,6 +3,7 @@
 use crate::context::Contexts;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
+use crate::import;
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
@@ -11,7 +12,7 @@ use crate::{Options, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
-use sdf_syntax::{Diagnostic, Sources, Span};
+use sdf_syntax::{Diagnostic, Severity, Sources, Span};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -20,13 +21,14 @@ use std::sync::Arc;
 pub(crate) fn elaborate(
     sources: &Sources,
     tree: &File,
+    files: &import::Files,
     options: &Options,
 ) -> (Option<Scene>, Vec<Diagnostic>) {
     let library = library::library();
     let mut diagnostics = Vec::new();
     let std: Vec<&File> = library.std.iter().collect();
     let runtime: Vec<&File> = library.runtime.iter().collect();
-    let names = Names::new(tree, &std, &runtime, &mut diagnostics);
+    let names = Names::new(tree, files, &std, &runtime, &mut diagnostics);
     names.check(&mut diagnostics);
     let mut elaborator = Elaborator {
         sources,
@@ -53,16 +55,17 @@ pub(crate) fn elaborate(
     };
     let scene = elaborator.scene(options);
     let Elaborator { contexts, mut diagnostics, .. } = elaborator;
-    let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
-        let mut program = contexts.into_program();
-        program.entry = Some(made.pixel);
-        let roots: Vec<_> = made.map.into_iter().chain(made.probe).collect();
-        let (program, kept) = sdf_ir::simplify(&program, &roots);
-        debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
-        let mut kept = kept.into_iter();
-        let map = made.map.and_then(|_| kept.next());
-        Scene { map, probe: kept.next(), program, summary: made.summary }
-    });
+    let scene =
+        scene.ok().filter(|_| !diagnostics.iter().any(|d| d.severity() == Severity::Error)).map(|made| {
+            let mut program = contexts.into_program();
+            program.entry = Some(made.pixel);
+            let roots: Vec<_> = made.map.into_iter().chain(made.probe).collect();
+            let (program, kept) = sdf_ir::simplify(&program, &roots);
+            debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
+            let mut kept = kept.into_iter();
+            let map = made.map.and_then(|_| kept.next());
+            Scene { map, probe: kept.next(), program, summary: made.summary }
+        });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
         if !fits {
@@ -176,7 +179,7 @@ impl<'t> Elaborator<'t> {
         if let Some((_, again)) = scenes.get(1) {
             self.diagnostics.push(errors::block_twice(*again, "scene", *place));
         }
-        let mut env = Env::new(Module::User);
+        let mut env = Env::new(Module::ROOT);
         let mut failed = false;
         for binding in &scene.bindings {
             match self.eval(&binding.value, &env) {
@@ -246,14 +249,8 @@ impl<'t> Elaborator<'t> {
     /// Every `--set` must name a param of the file.
     fn check_overrides(&mut self, options: &Options) {
         for (name, _) in &options.set {
-            let params: Vec<&str> = self
-                .names
-                .user
-                .order
-                .iter()
-                .filter(|(_, item)| matches!(item, crate::names::Item::Param { .. }))
-                .map(|(n, _)| &*n.text)
-                .collect();
+            let params = self.names.names_to_set();
+            let params: Vec<&str> = params.iter().map(|name| &**name).collect();
             if params.contains(&name.as_str()) {
                 continue;
             }

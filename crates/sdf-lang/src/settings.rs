@@ -70,7 +70,7 @@ impl<'t> Elaborator<'t> {
         match block.fields.get(name) {
             None => Ok(Number::constant(default).named(&name_arc)),
             Some(expr) => {
-                let value = self.eval(expr, &Env::new(Module::User))?;
+                let value = self.eval(expr, &Env::new(Module::ROOT))?;
                 Ok(self.as_typed(value, default.ty(), expr.span)?.named(&name_arc))
             }
         }
@@ -85,7 +85,7 @@ impl<'t> Elaborator<'t> {
         range: (f64, f64),
     ) -> Eval<f64> {
         let Some(expr) = block.fields.get(name) else { return Ok(default) };
-        let x = self.static_float(expr, &Env::new(Module::User), &format!("`{name}`"))?;
+        let x = self.static_float(expr, &Env::new(Module::ROOT), &format!("`{name}`"))?;
         if x < range.0 || x > range.1 {
             return self.report(errors::out_of_range(
                 expr.span,
@@ -182,7 +182,7 @@ impl<'t> Elaborator<'t> {
             other => other.map(|_| ()),
         };
         let Some(expr) = block.fields.get("orbit") else { return projection };
-        let value = self.eval(expr, &Env::new(Module::User))?;
+        let value = self.eval(expr, &Env::new(Module::ROOT))?;
         let orbit = self.as_typed(value, Type::Bool, expr.span)?;
         if orbit.known() != Some(Constant::Bool(false)) {
             let instead = "move `eye` by `mouse` or `time` for now";
@@ -293,7 +293,7 @@ impl<'t> Elaborator<'t> {
                     && let PostfixKind::Call(arguments) = &only.kind
                     && let [argument] = &arguments[..]
                 {
-                    let value = self.eval(&argument.value, &Env::new(Module::User))?;
+                    let value = self.eval(&argument.value, &Env::new(Module::ROOT))?;
                     let k = self.as_typed(value, Type::Float, argument.value.span)?;
                     if matches!(k.known(), Some(Constant::Float(k)) if k <= 0.0) {
                         return self.report(errors::out_of_range(
@@ -461,7 +461,7 @@ fn sky_function<'t>(low: &'t Expr, high: Option<&'t Expr>) -> Value<'t> {
             Some(Value::Number(n)) => n,
             _ => unreachable!("the renderer asks with a direction"),
         };
-        let env = Env::new(Module::User).bind(Arc::from("p"), Value::Number(direction.clone()));
+        let env = Env::new(Module::ROOT).bind(Arc::from("p"), Value::Number(direction.clone()));
         let low_value = e.eval(low, &env)?;
         let low_color = e.as_typed(low_value, Type::Vec3, low.span)?;
         let Some(high) = high else { return Ok(Value::Number(low_color)) };

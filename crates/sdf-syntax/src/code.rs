@@ -44,6 +44,8 @@ codes! {
     E021 "a name defined twice"
     E022 "definitions that need each other"
     E023 "a reserved word as a name"
+    E024 "an import that cannot be followed"
+    E025 "a name that two imports bring"
     // Types and calls.
     E030 "a value of the wrong type"
     E031 "an operator that does not take these values"

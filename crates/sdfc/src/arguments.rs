@@ -1,8 +1,9 @@
 //! What the command understands.
 
+use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use sdfc::{Device, Language, Options};
-use std::path::PathBuf;
+use sdfc::{Device, FileLoader, Language, Options, reason};
+use std::path::{Path, PathBuf};
 
 /// The largest side of a picture, in pixels.
 const SIDE_LIMIT: u32 = 16_384;
@@ -104,18 +105,24 @@ pub struct CheckArguments {
     pub timings: bool,
 }
 
-/// Values of params.
+/// Values of params, and where imported files may be.
 #[derive(Debug, Args, Default, PartialEq)]
 pub struct SetArguments {
     /// Freeze a param at a value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
     pub values: Vec<(String, String)>,
+    /// Allow imports of files in this folder, beside that of the scene; may be given several times
+    #[arg(long, value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
 }
 
 impl SetArguments {
-    /// The options of the compiler that this means.
-    pub fn options(&self) -> Options {
-        Options { set: self.values.clone(), ..Options::default() }
+    /// The options of the compiler that this means for a scene.
+    pub fn options(&self, scene: &Path) -> Result<Options, Failure> {
+        let loader = FileLoader::new(scene, &self.include).map_err(|(folder, error)| {
+            Failure::call(format!("cannot import from {}: {}", folder.display(), reason(&error)))
+        })?;
+        Ok(Options { set: self.values.clone(), imports: loader.imports(), ..Options::default() })
     }
 }
 

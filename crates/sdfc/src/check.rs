@@ -50,7 +50,7 @@ fn check(
             return Err(failure);
         }
     };
-    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), clock);
+    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(path)?, clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     for diagnostic in &compiled.diagnostics {
         match diagnostic.severity() {

@@ -29,7 +29,7 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
 
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(scene, terminal))?;
-    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), &mut clock);
+    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(scene)?, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     if !arguments.emit.is_empty() {
         print(listing(&arguments.emit, &source.text, &compiled).as_bytes())?;

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::terminal::Terminal;
 use sdf_lang::USER_FILE;
 use sdf_syntax::{FILE_LIMIT, Sources};
+use sdfc::reason;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -52,12 +53,4 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
         File::open(path)?.take(limit).read_to_end(&mut bytes)?;
     }
     Ok(bytes)
-}
-
-/// What the system says of an error, in our manner: lower case, without the number.
-pub fn reason(error: &io::Error) -> String {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default();
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

@@ -7,10 +7,12 @@
 mod clock;
 mod cost;
 mod draw;
+mod files;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
+pub use files::FileLoader;
 pub use sdf_emit::Target;
 pub use sdf_lang::{Options, Scene};
 pub use sdf_render::{Frame, Picture};
@@ -22,6 +24,14 @@ use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
 
 /// The version of the compiler.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What the system says of an error, in our manner: lower case, without the number.
+pub fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
 
 /// What came of a source.
 #[derive(Debug)]

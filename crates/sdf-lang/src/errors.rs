@@ -184,6 +184,19 @@ pub(crate) fn out_of_range(span: Span, what: &str, expected: &str) -> Diagnostic
     Diagnostic::new(Code::E043, span, format!("{what} is out of range")).label(format!("expected {expected}"))
 }
 
+/// `when` says for which values of params.
+pub(crate) fn may_leave_range(span: Span, what: &str, expected: &str, when: &str) -> Diagnostic {
+    Diagnostic::new(Code::W002, span, format!("{what} is out of range when {when}"))
+        .label(format!("expected {expected}"))
+        .help("narrow the range of the param, or bound the value with `clamp`, `min` or `max`")
+}
+
+pub(crate) fn degrees(span: Span, number: f64) -> Diagnostic {
+    Diagnostic::new(Code::W003, span, format!("an angle of {number} radians is more than a turn"))
+        .label("radians, for it has no unit")
+        .help(format!("did you mean `{number}deg`? If not, write `{number}rad`"))
+}
+
 pub(crate) fn too_long(span: Span, what: &str, limit: u64) -> Diagnostic {
     Diagnostic::new(Code::E044, span, format!("{what} is longer than the limit of {limit}")).label("here")
 }
@@ -229,6 +242,15 @@ pub(crate) fn unknown_setting(name: &Name, block: &str, similar: Option<&str>, a
     }
 }
 
+/// A field that takes one of some words.
+pub(crate) fn wrong_word(span: Span, name: &str, similar: Option<&str>, words: &[&str]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E063, span, format!("`{name}` does not take this value"));
+    match similar {
+        Some(word) => d.help(format!("did you mean `{word}`?")),
+        None => d.help(format!("write one of {}", words.join(", "))),
+    }
+}
+
 pub(crate) fn setting_twice(name: &Name, first: Span) -> Diagnostic {
     Diagnostic::new(Code::E061, name.span, format!("`{}` is set twice", name.text))
         .label("here again")
@@ -252,6 +274,14 @@ pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl In
 /// What the author of a function or value requires does not hold.
 pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
     Diagnostic::new(Code::E043, span, message).label("refused here").related(stated, "required here")
+}
+
+/// What is required does not hold for some values of params, which `when` names.
+pub(crate) fn breakable_requirement(span: Span, message: &str, stated: Span, when: &str) -> Diagnostic {
+    Diagnostic::new(Code::W002, span, message)
+        .label(format!("not so when {when}"))
+        .related(stated, "required here")
+        .help("narrow the range of the param, or bound the value with `clamp`, `min` or `max`")
 }
 
 pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]) -> Diagnostic {

@@ -91,6 +91,11 @@ impl<'t> Elaborator<'t> {
         Err(Reported)
     }
 
+    /// Says something that is no error.
+    pub fn warn(&mut self, warning: Diagnostic) {
+        let _: Eval<()> = self.report(warning);
+    }
+
     /// The line of the root file that a place is in; none for other files.
     pub fn line(&self, span: Span) -> Option<u32> {
         (span.file == crate::USER_FILE).then(|| self.sources.line_column(span.file, span.start).0 as u32)

@@ -113,6 +113,9 @@ impl<'t> Elaborator<'t> {
             if holds.known() == Some(Constant::Bool(false)) {
                 return self.report(errors::requirement(span, requirement.message, requirement.span));
             }
+            if let Some(when) = self.when(&holds, |c| *c == Constant::Bool(false)) {
+                self.warn(errors::breakable_requirement(span, requirement.message, requirement.span, &when));
+            }
         }
         Ok(())
     }
@@ -240,12 +243,15 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    /// Evaluates every `let`, param and constant part of the user's files, so that mistakes in those that
-    /// nothing uses are found too.
+    /// Evaluates every `let`, param and material of the user's files, so that mistakes in those that nothing uses
+    /// are found too.
     pub fn evaluate_all_items(&mut self) {
         for (module, items) in self.names.user_modules() {
             for (name, item) in &items.order {
-                let _: Result<_, Reported> = self.item(module, &name.text, *item, name.span);
+                let value = self.item(module, &name.text, *item, name.span);
+                if let Ok(Value::Material(material)) = value {
+                    let _: Result<_, Reported> = self.check_material(&material);
+                }
             }
         }
     }

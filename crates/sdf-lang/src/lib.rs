@@ -8,6 +8,7 @@
 
 mod builtin;
 mod call;
+mod check;
 mod choice;
 mod context;
 mod errors;
@@ -19,6 +20,7 @@ mod library;
 mod names;
 mod operators;
 mod outline;
+mod ranges;
 mod scene;
 mod settings;
 mod shape;

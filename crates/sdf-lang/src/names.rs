@@ -5,8 +5,7 @@ use crate::errors;
 use crate::import::Files;
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{
-    Argument, Attribute, AttributeArgument, Binding, Block, Expr, ExprKind, File, Function, ItemKind, Name,
-    Parameter, PostfixKind, Record, Scene, SettingsKind,
+    Attribute, AttributeArgument, Binding, Expr, File, Function, ItemKind, Name, Record, Scene, SettingsKind,
 };
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 use std::collections::{HashMap, HashSet};
@@ -50,7 +49,8 @@ pub(crate) struct Items<'t> {
     pub imports: Vec<Module>,
     /// Whether a file that it imports could not be read, so that a name that means nothing may come from there.
     pub incomplete: bool,
-    all_functions: Vec<&'t Function>,
+    /// All functions, in the order of the source.
+    pub all_functions: Vec<&'t Function>,
 }
 
 /// `@requires(condition, "message")`.
@@ -306,45 +306,6 @@ impl<'t> Names<'t> {
         let user = imported.chain([own]).flat_map(|items| items.functions.keys());
         user.chain(self.library.functions.keys()).map(|k| &**k).chain(builtin::all().iter().map(|b| b.name))
     }
-
-    /// Checks every name in the functions and scene of the user's files, called or not.
-    pub fn check(&self, diagnostics: &mut Vec<Diagnostic>) {
-        for (module, items) in self.user_modules() {
-            self.check_module(module, items, diagnostics);
-        }
-    }
-
-    fn check_module(&self, module: Module, items: &Items<'t>, diagnostics: &mut Vec<Diagnostic>) {
-        let mut check = Check { names: self, module, locals: Vec::new(), diagnostics };
-        for function in &items.all_functions {
-            let requirements = items.requirements.get(&std::ptr::from_ref(*function).cast());
-            check.with_parameters(&function.parameters, |c| {
-                requirements.into_iter().flatten().for_each(|r| c.expr(r.condition));
-                c.expr(&function.body);
-            });
-        }
-        for (_, item) in &items.order {
-            match item {
-                Item::Let(binding) => {
-                    let requirements = items.requirements.get(&std::ptr::from_ref(*binding).cast());
-                    requirements.into_iter().flatten().for_each(|r| check.expr(r.condition));
-                    check.expr(&binding.value);
-                }
-                Item::Material(_, record) => check.with_point(&["p", "n"], |c| c.record(record)),
-                Item::Param { default, range, .. } => {
-                    check.expr(default);
-                    for (low, high) in range.iter() {
-                        check.expr(low);
-                        check.expr(high);
-                    }
-                }
-            }
-        }
-        // The scene of an imported file is ignored.
-        for (scene, _) in items.scenes.iter().filter(|_| module == Module::ROOT) {
-            check.bindings(&scene.bindings, |c| scene.shapes.iter().for_each(|s| c.expr(s)));
-        }
-    }
 }
 
 /// The names that the renderer's uniforms and constants have, which no param can have outside its file.
@@ -583,109 +544,4 @@ fn same_parameters(a: &Function, b: &Function) -> bool {
     let kinds =
         |f: &Function| f.parameters.iter().map(|p| (p.ty.map(|t| t.kind), p.variadic)).collect::<Vec<_>>();
     kinds(a) == kinds(b)
-}
-
-/// The walk that looks for names that mean nothing.
-struct Check<'a, 't> {
-    names: &'a Names<'t>,
-    module: Module,
-    locals: Vec<Arc<str>>,
-    diagnostics: &'a mut Vec<Diagnostic>,
-}
-
-impl Check<'_, '_> {
-    fn name(&mut self, name: &str, span: Span) {
-        if self.locals.iter().any(|l| &**l == name) {
-            return;
-        }
-        match self.names.meaning(name, self.module) {
-            Meaning::Clash(clash) => self.diagnostics.push(clash.diagnostic(name, span)),
-            Meaning::Nothing
-                if !builtin::CONSTANTS.contains(&name) && !self.names.module(self.module).incomplete =>
-            {
-                self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals));
-            }
-            _ => {}
-        }
-    }
-
-    fn with_parameters(&mut self, parameters: &[Parameter], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
-        for parameter in parameters {
-            if let Some(default) = &parameter.default {
-                self.expr(default);
-            }
-            self.locals.push(parameter.name.text.clone());
-        }
-        f(self);
-        self.locals.truncate(before);
-    }
-
-    fn with_point(&mut self, names: &[&str], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
-        self.locals.extend(names.iter().map(|n| Arc::from(*n)));
-        f(self);
-        self.locals.truncate(before);
-    }
-
-    fn bindings(&mut self, bindings: &[Binding], f: impl FnOnce(&mut Self)) {
-        let before = self.locals.len();
-        for binding in bindings {
-            self.expr(&binding.value);
-            self.locals.push(binding.name.text.clone());
-        }
-        f(self);
-        self.locals.truncate(before);
-    }
-
-    fn block(&mut self, block: &Block) {
-        self.bindings(&block.bindings, |c| c.expr(&block.result));
-    }
-
-    fn record(&mut self, record: &Record) {
-        record.fields.iter().for_each(|f| self.expr(&f.value));
-    }
-
-    fn arguments(&mut self, arguments: &[Argument]) {
-        arguments.iter().for_each(|a| self.expr(&a.value));
-    }
-
-    fn expr(&mut self, expr: &Expr) {
-        match &expr.kind {
-            ExprKind::Number(_) | ExprKind::Color(_) | ExprKind::Bool(_) | ExprKind::Error => {}
-            ExprKind::Name(name) => self.name(name, expr.span),
-            ExprKind::Tuple(items) | ExprKind::List(items) => items.iter().for_each(|e| self.expr(e)),
-            ExprKind::Record(record) => self.record(record),
-            ExprKind::Material(record) => self.with_point(&["p", "n"], |c| c.record(record)),
-            ExprKind::Block(block) => self.block(block),
-            ExprKind::Shape(_, block) => self.with_point(&["p"], |c| c.block(block)),
-            ExprKind::If { condition, then, otherwise } => {
-                self.expr(condition);
-                self.block(then);
-                self.block(otherwise);
-            }
-            ExprKind::For { name, list, body } => {
-                self.expr(list);
-                self.with_point(&[&name.text], |c| c.block(body));
-            }
-            ExprKind::Lambda(lambda) => self.with_parameters(&lambda.parameters, |c| c.expr(&lambda.body)),
-            ExprKind::Unary(_, a) => self.expr(a),
-            ExprKind::Chain { first, rest } => {
-                self.expr(first);
-                rest.iter().for_each(|(_, _, e)| self.expr(e));
-            }
-            ExprKind::Postfix { base, operations } => {
-                self.expr(base);
-                for operation in operations {
-                    match &operation.kind {
-                        PostfixKind::Call(arguments) | PostfixKind::Method(_, arguments) => {
-                            self.arguments(arguments)
-                        }
-                        PostfixKind::Index(index) => self.expr(index),
-                        PostfixKind::Member(_) => {}
-                    }
-                }
-            }
-        }
-    }
 }

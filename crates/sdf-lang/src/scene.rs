@@ -29,7 +29,7 @@ pub(crate) fn elaborate(
     let std: Vec<&File> = library.std.iter().collect();
     let runtime: Vec<&File> = library.runtime.iter().collect();
     let names = Names::new(tree, files, &std, &runtime, &mut diagnostics);
-    names.check(&mut diagnostics);
+    names.check(sources, &mut diagnostics);
     let mut elaborator = Elaborator {
         sources,
         names: &names,

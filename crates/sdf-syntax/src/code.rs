@@ -73,6 +73,8 @@ codes! {
     // The emitted text.
     E070 "a shader that the validator refuses"
     W001 "a scene that costs more than a shader can spend"
+    W002 "a param that can break what is required"
+    W003 "an angle that looks like degrees"
 }
 
 impl Code {

@@ -244,7 +244,6 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
         }
         Token::Text(_) if !expected.has(Expected::Text) => return Some(text_elsewhere(span)),
         Token::Name(written) if expected.has(Expected::Type) => return Some(unknown_type(span, written)),
-        Token::Name(_) if last.is_some_and(is_foreign_type) => return Some(let_not_type(last_span.to(span))),
         Token::Name(written) if expected.has(Expected::Item) => {
             return Some(unknown_item(span, written, around));
         }
@@ -260,25 +259,13 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
     None
 }
 
-fn is_foreign_type(token: Token) -> bool {
-    matches!(
-        token,
-        Token::Name(
-            "float"
-                | "int"
-                | "bool"
-                | "vec2"
-                | "vec3"
-                | "vec4"
-                | "mat2"
-                | "mat3"
-                | "mat4"
-                | "const"
-                | "var"
-                | "auto"
-                | "f32"
-        )
-    )
+/// Whether other languages begin a binding with this word.
+pub(crate) fn instead_of_let(token: Token) -> bool {
+    const WORDS: [&str; 18] = [
+        "float", "int", "uint", "double", "bool", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const",
+        "var", "auto", "f32", "def", "define", "set",
+    ];
+    matches!(token, Token::Name(word) if WORDS.contains(&word))
 }
 
 /// The found token as a message names it.
@@ -425,8 +412,13 @@ fn let_missing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E007, span, "a binding begins with `let`").help("write `let` before the name")
 }
 
-fn let_not_type(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E008, span, "a binding does not state its type").help("write `let name = value`")
+/// `float x = 1` and its like; `word` stands where `let` should.
+pub(crate) fn let_not_type(span: Span, word: Token) -> Diagnostic {
+    let message = match word {
+        Token::Name("const" | "var" | "auto" | "def" | "define" | "set") => "a binding begins with `let`",
+        _ => "a binding does not state its type",
+    };
+    Diagnostic::new(Code::E008, span, message).help("write `let name = value`")
 }
 
 fn record_in_braces(span: Span) -> Diagnostic {
@@ -475,7 +467,7 @@ fn unknown_item(span: Span, written: &str, around: &Around) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::E007, span, format!("expected an item, found `{}`", shorten(written)));
     let replacement = match written {
-        "const" | "var" | "float" | "vec2" | "vec3" | "def" | "define" | "set" => Some("let"),
+        _ if instead_of_let(Token::Name(written)) => Some("let"),
         "function" | "func" | "fun" | "void" => Some("fn"),
         "uniform" => Some("param"),
         "include" | "use" => Some("import"),

@@ -87,9 +87,22 @@ fn param<'t>(expr: Rule<'t, Expr>) -> Rule<'t, ItemKind> {
 /// `let = "let" ID "=" expr`
 fn binding<'t>(expr: Rule<'t, Expr>, stops: &'static [Token<'static>]) -> Rule<'t, Binding> {
     just(Token::Let)
+        .ignored()
+        .or(instead_of_let())
         .ignore_then(name())
         .then(assigned(expr, stops))
         .map(|(name, value)| Binding { name, value })
+        .boxed()
+}
+
+/// What other languages write instead of `let`, as in `float x = 1`: reported, and read on as if it were one.
+fn instead_of_let<'t>() -> Rule<'t, ()> {
+    let named = any().filter(|token: &Token| matches!(token, Token::Name(_)));
+    any()
+        .filter(|token: &Token| mistake::instead_of_let(*token))
+        .then_ignore(named.then(just(Token::Assign)).rewind())
+        .labelled(Expected::Unsaid)
+        .validate(|token: Token, e, emitter| emitter.emit(mistake::let_not_type(e.span(), token).into()))
         .boxed()
 }
 

@@ -142,12 +142,24 @@ impl<'t> Elaborator<'t> {
             }
         }
         let candidates = self.methods(&name.text, env.module, name.span)?;
-        let given = self.given(Some(receiver), arguments, env);
         if candidates.is_empty() {
-            let diagnostic = self.names.unknown_function(&name.text, name.span, env.module);
-            return self.report_unknown(diagnostic, env.module);
+            let _ = self.given(None, arguments, env);
+            return self.unknown_method(&receiver, name, env.module);
         }
-        self.call_overloads(&name.text, &candidates, given?, span)
+        let given = self.given(Some(receiver), arguments, env)?;
+        self.call_overloads(&name.text, &candidates, given, span)
+    }
+
+    fn unknown_method(&mut self, receiver: &Value<'t>, name: &Name, module: Module) -> Eval<Value<'t>> {
+        if let Value::Record(record) = receiver {
+            let fields = record.fields.iter().map(|(field, _)| &**field);
+            if let Some(similar) = sdf_syntax::did_you_mean(&name.text, fields) {
+                let help = format!("did you mean `{similar}`?");
+                return self.report(errors::no_member(name.span, &name.text, "this record", Some(help)));
+            }
+        }
+        let diagnostic = self.names.unknown_function(&name.text, name.span, module);
+        self.report_unknown(diagnostic, module)
     }
 
     /// A call with arguments that are values already.
@@ -229,7 +241,9 @@ impl<'t> Elaborator<'t> {
         let chosen = match (fits.len(), exact) {
             (0, _) => {
                 let signatures: Vec<String> = candidates.iter().map(|c| signature(name, &slots(c))).collect();
-                let named = reasons.iter().find(|why| why.contains("is named")).cloned();
+                let named =
+                    reasons.iter().find(|why| why.contains("is named") || why.contains("did you mean"));
+                let named = named.cloned();
                 let why = named
                     .unwrap_or_else(|| if reasons.len() == 1 { reasons.remove(0) } else { String::new() });
                 return self.report(errors::no_fit(span, name, &given.describe(), &why, &signatures));

@@ -4,6 +4,7 @@ use crate::builtin;
 use crate::errors;
 use crate::names::{Item, Items, Meaning, Names};
 use crate::value::{Candidate, Module};
+use sdf_syntax::token::UNITS;
 use sdf_syntax::tree::{Argument, Binding, Block, Expr, ExprKind, Parameter, PostfixKind, Record, UnaryOp};
 use sdf_syntax::{Diagnostic, Sources, Span};
 use std::sync::Arc;
@@ -151,7 +152,7 @@ impl Check<'_, '_> {
             ExprKind::Number(x) => {
                 let text = &self.sources.get(expr.span.file)?.text;
                 let written = text.get(expr.span.start as usize..expr.span.end as usize)?;
-                let has_unit = ["deg", "rad", "turn"].iter().any(|unit| written.contains(unit));
+                let has_unit = UNITS.iter().any(|unit| written.contains(unit));
                 (!has_unit).then_some(*x)
             }
             _ => None,

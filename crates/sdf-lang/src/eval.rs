@@ -328,7 +328,12 @@ impl<'t> Elaborator<'t> {
                 }
                 None => {
                     let found = value.describe();
+                    let plain = name.to_lowercase();
                     let help = match n.ty {
+                        _ if swizzle(&plain, n.ty).is_some() => format!("did you mean `.{plain}`?"),
+                        Type::Vec3 if name.len() <= 3 && name.chars().all(|c| "xyzrgb".contains(c)) => {
+                            "`.x .y .z` and `.r .g .b` do not mix".to_string()
+                        }
                         Type::Float => "a float has no components".to_string(),
                         Type::Vec2 => {
                             "its components are `.x` and `.y`, in any order and number up to 3".into()

@@ -44,6 +44,8 @@ const BOUNCES: Range = Range {
 /// The fields of one block that a file sets.
 struct Block<'t> {
     fields: HashMap<&'static str, &'t Expr>,
+    /// Whether it has fields that do not exist: what seems to be absent may be one of them.
+    has_unknown: bool,
 }
 
 /// How a light casts shadows.
@@ -62,17 +64,19 @@ impl<'t> Elaborator<'t> {
         }
         match blocks.first() {
             Some((record, _)) => self.fields(record, name, all),
-            None => Block { fields: HashMap::new() },
+            None => Block { fields: HashMap::new(), has_unknown: false },
         }
     }
 
     fn fields(&mut self, record: &'t Record, name: &str, all: &'static [&'static str]) -> Block<'t> {
         let mut fields: HashMap<&'static str, &'t Expr> = HashMap::new();
         let mut first: HashMap<&'static str, &'t Name> = HashMap::new();
+        let mut has_unknown = false;
         for field in &record.fields {
             let Some(known) = all.iter().find(|a| **a == &*field.name.text) else {
                 let similar = sdf_syntax::did_you_mean(&field.name.text, all.iter().copied());
                 self.diagnostics.push(errors::unknown_setting(&field.name, name, similar, all));
+                has_unknown = true;
                 continue;
             };
             if let Some(before) = first.insert(known, &field.name) {
@@ -81,7 +85,7 @@ impl<'t> Elaborator<'t> {
             }
             fields.insert(known, &field.value);
         }
-        Block { fields }
+        Block { fields, has_unknown }
     }
 
     /// The value of a field as a number, or its default.
@@ -270,6 +274,7 @@ impl<'t> Elaborator<'t> {
                     "keep `direction` for a sun, `position` for a lamp",
                 ));
             }
+            (None, None) if block.has_unknown => return Err(Reported),
             (None, None) => {
                 return self.report(errors::wrong_setting(
                     name.span,
@@ -373,6 +378,7 @@ impl<'t> Elaborator<'t> {
                 "the sky has a color and a gradient",
                 "give it `color`, or `horizon` and `zenith`",
             )),
+            (None, Some(_), None) | (None, None, Some(_)) if block.has_unknown => Err(Reported),
             (None, Some(one), None) | (None, None, Some(one)) => self.report(errors::wrong_setting(
                 one.span,
                 "a gradient of the sky needs two colours",

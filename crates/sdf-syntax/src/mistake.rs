@@ -243,7 +243,6 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
             return Some(semicolon_after_value(span));
         }
         Token::Text(_) if !expected.has(Expected::Text) => return Some(text_elsewhere(span)),
-        Token::Name(written) if expected.has(Expected::Type) => return Some(unknown_type(span, written)),
         Token::Name(written) if expected.has(Expected::Item) => {
             return Some(unknown_item(span, written, around));
         }
@@ -455,7 +454,7 @@ const SHAPES_STAND: &str = "shapes stand in `scene { … }`, values in `let name
 /// The types as a parameter states them.
 const TYPES: [&str; 9] = ["float", "vec2", "vec3", "bool", "shape", "shape2", "material", "list", "fn"];
 
-fn unknown_type(span: Span, written: &str) -> Diagnostic {
+pub(crate) fn unknown_type(span: Span, written: &str) -> Diagnostic {
     let diagnostic = Diagnostic::new(Code::E007, span, format!("`{}` is no type", shorten(written)));
     match did_you_mean(&shorten(written), TYPES) {
         Some(name) => diagnostic.help(format!("did you mean `{name}`?")),

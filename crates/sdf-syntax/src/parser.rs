@@ -136,24 +136,34 @@ fn parameter<'t>(default: Rule<'t, Expr>) -> Rule<'t, Option<Parameter>> {
         .then(token(Token::Ellipsis).or_not())
         .then(just(Token::Colon).ignore_then(type_name()).or_not())
         .then(just(Token::Assign).ignore_then(default).or_not())
-        .map(|(((name, dots), ty), default)| Some(Parameter { name, variadic: dots.is_some(), ty, default }))
+        .map(|(((name, dots), ty), default)| {
+            Some(Parameter { name, variadic: dots.is_some(), ty: ty.flatten(), default })
+        })
         .boxed()
 }
 
 /// `TYPE = "float" | "vec2" | "vec3" | "bool" | "shape" | "shape2" | "material" | "list" | "fn"`
-fn type_name<'t>() -> Rule<'t, TypeName> {
+///
+/// Another name is reported, and the parameter is read on as one without a type.
+fn type_name<'t>() -> Rule<'t, Option<TypeName>> {
     let kind = select! {
-        Token::Name("float") => TypeKind::Float,
-        Token::Name("vec2") => TypeKind::Vec2,
-        Token::Name("vec3") => TypeKind::Vec3,
-        Token::Name("bool") => TypeKind::Bool,
-        Token::Name("shape") => TypeKind::Shape,
-        Token::Name("shape2") => TypeKind::Shape2,
-        Token::Name("material") => TypeKind::Material,
-        Token::Name("list") => TypeKind::List,
-        Token::Fn => TypeKind::Fn,
+        Token::Name("float") => Ok(TypeKind::Float),
+        Token::Name("vec2") => Ok(TypeKind::Vec2),
+        Token::Name("vec3") => Ok(TypeKind::Vec3),
+        Token::Name("bool") => Ok(TypeKind::Bool),
+        Token::Name("shape") => Ok(TypeKind::Shape),
+        Token::Name("shape2") => Ok(TypeKind::Shape2),
+        Token::Name("material") => Ok(TypeKind::Material),
+        Token::Name("list") => Ok(TypeKind::List),
+        Token::Fn => Ok(TypeKind::Fn),
+        Token::Name(other) => Err(other),
     };
-    kind.labelled(Expected::Type).map_with(|kind, e| TypeName { kind, span: e.span() }).boxed()
+    kind.labelled(Expected::Type)
+        .validate(|kind, e, emitter| {
+            let unknown = |word| emitter.emit(mistake::unknown_type(e.span(), word).into());
+            kind.map_err(unknown).ok().map(|kind| TypeName { kind, span: e.span() })
+        })
+        .boxed()
 }
 
 /// `material = "material" ID record`

@@ -400,6 +400,9 @@ fn number<'t>(lexer: &mut Lexer<'t, Token<'t>>) -> f64 {
     }
 }
 
+/// The units of angles.
+pub const UNITS: [&str; 3] = ["deg", "rad", "turn"];
+
 /// The value of a number as written, unit applied, or what is wrong with it.
 fn read_number(written: &str) -> Result<f64, fn(Span, &str) -> Diagnostic> {
     let (digits, unit) = split_unit(written);
@@ -576,6 +579,9 @@ fn unknown_unit(span: Span, written: &str) -> Diagnostic {
         "f" | "F" | "u" | "lf" | "LF" => diagnostic.help(format!("numbers have no suffix: write `{digits}`")),
         "e" | "E" => diagnostic.help(format!("the exponent needs digits: `{digits}e3`")),
         "x" => diagnostic.help("numbers are decimal; colours are written `#ff8800`"),
+        _ if let Some(meant) = crate::did_you_mean(unit, UNITS) => {
+            diagnostic.help(format!("did you mean `{digits}{meant}`?"))
+        }
         _ => diagnostic.help("the units are `deg`, `rad` and `turn`; a name cannot begin with a digit"),
     }
 }

@@ -9,4 +9,5 @@ mod scene;
 mod shapes;
 mod steps;
 mod structure;
+mod suggestions;
 mod values;

@@ -526,27 +526,13 @@ pub(crate) fn signature(name: &str, slots: &[Slot<'_>]) -> String {
             let optional = if s.optional { " = …" } else { "" };
             match s.kind {
                 SlotKind::Type(kind) if kind != TypeKind::Float => {
-                    format!("{}{dots}: {}{optional}", s.name, type_name(kind))
+                    format!("{}{dots}: {}{optional}", s.name, kind.word())
                 }
                 _ => format!("{}{dots}{optional}", s.name),
             }
         })
         .collect();
     format!("{name}({})", parts.join(", "))
-}
-
-fn type_name(kind: TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Float => "float",
-        TypeKind::Vec2 => "vec2",
-        TypeKind::Vec3 => "vec3",
-        TypeKind::Bool => "bool",
-        TypeKind::Shape => "shape",
-        TypeKind::Shape2 => "shape2",
-        TypeKind::Material => "material",
-        TypeKind::List => "list",
-        TypeKind::Fn => "fn",
-    }
 }
 
 /// How arguments fit parameters, or why they do not. Where vectors may be given as rows of components, that

@@ -27,9 +27,11 @@ mod shape;
 mod stride;
 mod surface;
 mod value;
+mod vocabulary;
 mod walk;
 
 pub use import::{Imports, Loader, Location, Refusal, Texts};
+pub use vocabulary::{Vocabulary, vocabulary};
 
 use sdf_ir::{FunctionId, Program};
 use sdf_syntax::tree::File;

@@ -477,7 +477,7 @@ const UNBUILT: &[&str] = &[
 ];
 
 /// The attributes that the language has.
-const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
+pub(crate) const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
 
 /// What the attributes of an item require; what is wrong with them is reported.
 fn requirements<'t>(

@@ -22,6 +22,17 @@ const RIM: &[&str] = &["color", "power"];
 const RENDER: &[&str] =
     &["tolerance", "steps", "far", "normals", "relax", "bounces", "antialias", "tonemap", "quality"];
 
+/// The blocks that have one record of fields, by their words.
+pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
+    ("camera", CAMERA),
+    ("light", LIGHT),
+    ("ambient", AMBIENT),
+    ("sky", SKY),
+    ("fog", FOG),
+    ("rim", RIM),
+    ("render", RENDER),
+];
+
 /// The values that settings may have.
 const FIELD_OF_VIEW: Range = Range {
     accepts: |x| x > 0.0 && x < std::f64::consts::PI,

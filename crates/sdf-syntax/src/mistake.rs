@@ -6,6 +6,7 @@ use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::outline::ITEM_WORDS;
 use crate::span::Span;
 use crate::token::{RESERVED, Spanned, Token};
+use crate::tree::TypeKind;
 use chumsky::DefaultExpected;
 use chumsky::error::Error;
 use chumsky::input::Input;
@@ -451,14 +452,12 @@ fn item_inside(span: Span, found: Token) -> Diagnostic {
 /// Where to put what is no item.
 const SHAPES_STAND: &str = "shapes stand in `scene { … }`, values in `let name = …`";
 
-/// The types as a parameter states them.
-const TYPES: [&str; 9] = ["float", "vec2", "vec3", "bool", "shape", "shape2", "material", "list", "fn"];
-
 pub(crate) fn unknown_type(span: Span, written: &str) -> Diagnostic {
+    let types = TypeKind::ALL.map(TypeKind::word);
     let diagnostic = Diagnostic::new(Code::E007, span, format!("`{}` is no type", shorten(written)));
-    match did_you_mean(&shorten(written), TYPES) {
+    match did_you_mean(&shorten(written), types) {
         Some(name) => diagnostic.help(format!("did you mean `{name}`?")),
-        None => diagnostic.help(format!("the types are {}", TYPES.join(", "))),
+        None => diagnostic.help(format!("the types are {}", types.join(", "))),
     }
 }
 

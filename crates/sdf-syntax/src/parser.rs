@@ -147,16 +147,8 @@ fn parameter<'t>(default: Rule<'t, Expr>) -> Rule<'t, Option<Parameter>> {
 /// Another name is reported, and the parameter is read on as one without a type.
 fn type_name<'t>() -> Rule<'t, Option<TypeName>> {
     let kind = select! {
-        Token::Name("float") => Ok(TypeKind::Float),
-        Token::Name("vec2") => Ok(TypeKind::Vec2),
-        Token::Name("vec3") => Ok(TypeKind::Vec3),
-        Token::Name("bool") => Ok(TypeKind::Bool),
-        Token::Name("shape") => Ok(TypeKind::Shape),
-        Token::Name("shape2") => Ok(TypeKind::Shape2),
-        Token::Name("material") => Ok(TypeKind::Material),
-        Token::Name("list") => Ok(TypeKind::List),
         Token::Fn => Ok(TypeKind::Fn),
-        Token::Name(other) => Err(other),
+        Token::Name(word) => TypeKind::ALL.into_iter().find(|kind| kind.word() == word).ok_or(word),
     };
     kind.labelled(Expected::Type)
         .validate(|kind, e, emitter| {

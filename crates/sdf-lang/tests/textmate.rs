@@ -34,7 +34,10 @@ fn rules_with_words() -> Vec<(&'static str, String)> {
         ("settings_after_condition", format!(r"\b(if|in)([ \t]+)({items})([ \t]*)(\{{)")),
         (
             "typed_parameter",
-            format!(r"({NAME})([ \t]*(?:\.\.\.)?[ \t]*)(:)([ \t]*)(?:(fn)|({}))([ \t]*)([,)=|]|$)", types.join("|")),
+            format!(
+                r"({NAME})([ \t]*(?:\.\.\.)?[ \t]*)(:)([ \t]*)(?:(fn)|({}))([ \t]*)([,)=|]|$)",
+                types.join("|")
+            ),
         ),
         ("block", format!(r"\b({})([ \t]*)(\{{)", plain_blocks.join("|"))),
         ("call", format!(r"\b(?:({functions})|({NAME}))([ \t]*)(\()")),

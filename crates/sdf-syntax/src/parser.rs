@@ -415,6 +415,8 @@ fn arguments<'t>(expr: Rule<'t, Expr>) -> Rule<'t, (Vec<Argument>, Span)> {
 }
 
 /// `primary = NUMBER | COLOUR | "true" | "false" | ID | paren | list | block | shape | appearance | if | for`
+///
+/// `appearance = "material" record`
 fn primary<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     let literal = select! {
         Token::Number(value) => ExprKind::Number(value),
@@ -440,7 +442,7 @@ fn primary<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     .boxed()
 }
 
-/// `paren = "(" expr ")" | "(" expr,* ")" | "(" (ID ":" expr),* ")"`
+/// `paren = "(" expr ("," expr)* ","? ")" | "(" ID ":" expr ("," ID ":" expr)* ","? ")"`
 fn paren<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     arguments(expr)
         .validate(|(mut values, span), _, emitter| {

@@ -119,8 +119,11 @@ pub(crate) fn not_callable(span: Span, found: &str) -> Diagnostic {
 
 /// No function of this name takes these arguments; `why` says what hinders the only or the nearest one.
 pub(crate) fn no_fit(span: Span, name: &str, given: &str, why: &str, signatures: &[String]) -> Diagnostic {
-    let d =
-        Diagnostic::new(Code::E032, span, format!("`{name}` does not take {given}")).label(why.to_string());
+    let message = match given {
+        "no arguments" => format!("`{name}` cannot be called without arguments"),
+        given => format!("`{name}` does not take {given}"),
+    };
+    let d = Diagnostic::new(Code::E032, span, message).label(why.to_string());
     match signatures {
         [] => d,
         [one] => d.help(format!("it is called as `{one}`")),

@@ -1,6 +1,7 @@
 //! What scenes mean: each suite compiles scenes and runs the programs in `f64`.
 
 mod attributes;
+mod complete;
 mod imports;
 mod limits;
 mod materials;

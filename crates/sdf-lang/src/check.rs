@@ -5,8 +5,11 @@ use crate::errors;
 use crate::names::{Item, Items, Meaning, Names};
 use crate::value::{Candidate, Module};
 use sdf_syntax::token::UNITS;
-use sdf_syntax::tree::{Argument, Binding, Block, Expr, ExprKind, Parameter, PostfixKind, Record, UnaryOp};
+use sdf_syntax::tree::{
+    Argument, Binding, Block, Expr, ExprKind, Name, Parameter, PostfixKind, Record, UnaryOp,
+};
 use sdf_syntax::{Diagnostic, Sources, Span};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 impl<'t> Names<'t> {
@@ -83,6 +86,7 @@ impl Check<'_, '_> {
 
     fn with_parameters(&mut self, parameters: &[Parameter], f: impl FnOnce(&mut Self)) {
         let before = self.locals.len();
+        self.distinct(parameters.iter().map(|parameter| &parameter.name));
         for parameter in parameters {
             if let Some(default) = &parameter.default {
                 self.expr(default);
@@ -112,6 +116,16 @@ impl Check<'_, '_> {
 
     fn block(&mut self, block: &Block) {
         self.bindings(&block.bindings, |c| c.expr(&block.result));
+    }
+
+    /// Reports names that stand twice where each can stand once.
+    fn distinct<'n>(&mut self, names: impl IntoIterator<Item = &'n Name>) {
+        let mut first: HashMap<&str, Span> = HashMap::new();
+        for name in names {
+            if let Some(span) = first.insert(&name.text, name.span) {
+                self.diagnostics.push(errors::defined_twice(name, span));
+            }
+        }
     }
 
     fn record(&mut self, record: &Record) {
@@ -168,7 +182,10 @@ impl Check<'_, '_> {
             ExprKind::Number(_) | ExprKind::Color(_) | ExprKind::Bool(_) | ExprKind::Error => {}
             ExprKind::Name(name) => self.name(name, expr.span),
             ExprKind::Tuple(items) | ExprKind::List(items) => items.iter().for_each(|e| self.expr(e)),
-            ExprKind::Record(record) => self.record(record),
+            ExprKind::Record(record) => {
+                self.distinct(record.fields.iter().map(|field| &field.name));
+                self.record(record);
+            }
             ExprKind::Material(record) => self.with_point(&["p", "n"], |c| c.record(record)),
             ExprKind::Block(block) => self.block(block),
             ExprKind::Shape(_, block) => self.with_point(&["p"], |c| c.block(block)),

@@ -97,6 +97,16 @@ pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic 
         .label(format!("expected {expected}"))
 }
 
+pub(crate) fn mixed_list(span: Span, first: &str, other: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E030,
+        span,
+        format!("a list has elements of one type, and this has {first} and {other}"),
+    )
+    .label(format!("expected {first}"))
+    .help("values that belong together are a record: `(size: 1, shape: s)`")
+}
+
 pub(crate) fn operator(span: Span, op: &str, left: &str, right: &str, help: Option<&str>) -> Diagnostic {
     let d = Diagnostic::new(Code::E031, span, format!("`{op}` does not take {left} and {right}"));
     match help {

@@ -161,7 +161,10 @@ impl<'t> Elaborator<'t> {
                 let fields = fields.into_iter().map(|(n, v)| v.map(|v| (n, v))).collect::<Eval<_>>()?;
                 Ok(Value::record(fields))
             }
-            ExprKind::List(items) => Ok(Value::list(self.eval_all(items, env)?)),
+            ExprKind::List(items) => {
+                let values = self.eval_all(items, env)?;
+                self.list(values, |i| items[i].span)
+            }
             ExprKind::Block(block) => self.block(block, env),
             ExprKind::Shape(dimension, block) => Ok(self.field(*dimension, block, env)),
             ExprKind::Material(record) => {
@@ -176,7 +179,7 @@ impl<'t> Elaborator<'t> {
                     let inner = env.bind(name.text.clone(), item);
                     out.push(self.block(body, &inner)?);
                 }
-                Ok(Value::list(out))
+                self.list(out, |_| body.result.span)
             }
             ExprKind::Lambda(lambda) => {
                 Ok(Value::Function(Rc::new(Callable::Lambda { lambda, env: env.clone() })))
@@ -189,6 +192,22 @@ impl<'t> Elaborator<'t> {
             ExprKind::Postfix { base, operations } => self.postfix(base, operations, env),
             ExprKind::Error => Err(Reported),
         }
+    }
+
+    /// A list of these values, which are all of one type; `place` tells where each stands.
+    fn list(&mut self, values: Vec<Value<'t>>, place: impl Fn(usize) -> Span) -> Eval<Value<'t>> {
+        let kind = |value: &Value<'t>| match value {
+            Value::Number(n) => crate::value::describe_type(n.ty).to_string(),
+            Value::List(_) => "a list".to_string(),
+            other => other.describe(),
+        };
+        if let Some(first) = values.first().map(kind)
+            && let Some(odd) = values.iter().position(|value| kind(value) != first)
+        {
+            let other = kind(&values[odd]);
+            return self.report(errors::mixed_list(place(odd), &first, &other));
+        }
+        Ok(Value::list(values))
     }
 
     /// The values of several expressions; all are evaluated, so that all mistakes in them are found.

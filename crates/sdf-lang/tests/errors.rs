@@ -66,7 +66,7 @@ fn errors() {
             .lines()
             .map(|line| format!("// {line}").trim_end().to_string() + "\n")
             .collect();
-        if std::env::var_os("UPDATE_FIXTURES").is_some() {
+        if actual != expected && std::env::var_os("UPDATE_FIXTURES").is_some() {
             std::fs::write(&path, format!("{source}{MARK}{actual}")).unwrap();
         } else if actual != expected {
             failed.push(format!("{}\n--- expected\n{expected}--- actual\n{actual}", path.display()));

@@ -368,6 +368,12 @@ pub(crate) fn positional_after_named(span: Span) -> Diagnostic {
         .help("put it first, or give it its name")
 }
 
+pub(crate) fn second_variadic(span: Span, name: &str) -> Diagnostic {
+    let message = format!("`{}...` is the second parameter that takes any number", shorten(name));
+    Diagnostic::new(Code::E007, span, message)
+        .help("leave the `...` out here, and pass a list: `name: [a, b]`")
+}
+
 fn no_ternary(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E008, span, "there is no `?:`").help("write `if c { a } else { b }`")
 }

@@ -10,7 +10,7 @@ use crate::mistake::{self, Expected, Mistake};
 use crate::span::Span;
 use crate::token::{Spanned, Token};
 use crate::tree::*;
-use chumsky::input::MappedInput;
+use chumsky::input::{Emitter, MappedInput};
 use chumsky::prelude::*;
 use std::iter::Peekable;
 use std::sync::Arc;
@@ -117,7 +117,7 @@ fn function<'t>(expr: Rule<'t, Expr>) -> Rule<'t, ItemKind> {
             .recover_with(via_parser(skip_element().to(None))),
     )
     .delimited_by(just(Token::OpenParen), just(Token::CloseParen))
-    .map(|parameters| parameters.into_iter().flatten().collect());
+    .validate(|parameters, _, emitter| one_variadic(parameters.into_iter().flatten().collect(), emitter));
     let body = just(Token::Assign)
         .ignore_then(expr.clone())
         .or(block_expr(expr))
@@ -140,6 +140,14 @@ fn parameter<'t>(default: Rule<'t, Expr>) -> Rule<'t, Option<Parameter>> {
             Some(Parameter { name, variadic: dots.is_some(), ty: ty.flatten(), default })
         })
         .boxed()
+}
+
+/// Reports parameters that would never get an argument, since one before takes any number.
+fn one_variadic(parameters: Vec<Parameter>, emitter: &mut Emitter<Mistake>) -> Vec<Parameter> {
+    for second in parameters.iter().filter(|parameter| parameter.variadic).skip(1) {
+        emitter.emit(mistake::second_variadic(second.name.span, &second.name.text).into());
+    }
+    parameters
 }
 
 /// `TYPE = "float" | "vec2" | "vec3" | "bool" | "shape" | "shape2" | "material" | "list" | "fn"`
@@ -298,10 +306,14 @@ fn operators<'t>(expr: Rule<'t, Expr>, loosest: u8) -> Rule<'t, Expr> {
             }
             let mut wrong = Vec::new();
             let whole = climb(first, &mut rest.into_iter().peekable(), loosest, &mut wrong);
+            if wrong.is_empty() {
+                return whole;
+            }
             for (op, span) in wrong {
                 emitter.emit(mistake::chained(span, op.symbol()).into());
             }
-            whole
+            // What it means is not known.
+            Expr { kind: ExprKind::Error, ..whole }
         })
         .boxed()
 }
@@ -338,7 +350,9 @@ fn climb(
 fn lambda<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     let parameters = list(parameter(sum(expr.clone())))
         .delimited_by(just(Token::Or), just(Token::Or))
-        .map(|parameters: Vec<_>| parameters.into_iter().flatten().collect());
+        .validate(|parameters: Vec<_>, _, emitter| {
+            one_variadic(parameters.into_iter().flatten().collect(), emitter)
+        });
     token(Token::OrOr)
         .to(Vec::new())
         .or(parameters)

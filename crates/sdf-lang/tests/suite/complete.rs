@@ -79,6 +79,7 @@ const FUNCTIONS: &[(&str, &str, [f64; 3], f64)] = &[
     ("map", "sum([a, b, c].map(|v| v * v))", [1.0, 2.0, 3.0], 14.0),
     ("fold", "fold([a, b, c], 0, |acc, v| acc * 10 + v)", [1.0, 2.0, 3.0], 123.0),
     ("iterate", "iterate(5, a, |i, s| s + i, until: |s| s > b)", [1.0, 3.0, 0.0], 4.0),
+    ("rotated", "rotated((-b, a, c), (a, b, c), 90deg, z).x", [3.0, 4.0, 5.0], -4.0),
     ("paint", "ball.paint(#ff0000)(a, b, c)", [3.0, 0.0, 0.0], 2.0),
     (
         "gradient",

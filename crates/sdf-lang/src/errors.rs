@@ -237,7 +237,7 @@ pub(crate) fn no_shares(span: Span) -> Diagnostic {
 
 pub(crate) fn no_scene(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E060, span, "there is no scene in this file")
-        .help("add one, for example `scene { sphere(1) }`")
+        .help("add one, for example `scene { sphere(1) }`; a file without one can only be imported by others")
 }
 
 pub(crate) fn block_twice(span: Span, what: &str, first: Span) -> Diagnostic {

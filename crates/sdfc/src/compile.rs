@@ -94,8 +94,14 @@ fn target(arguments: &CompileArguments) -> Result<Option<Target>, Failure> {
         Some(other) if NOT_BUILT_YET.contains(&other) => {
             Err(Failure::call(format!("the target .{other} is not built yet")).help(known))
         }
-        Some(other) => Err(Failure::call(format!("no target is called .{other}"))
-            .help(format!("{known}; `--target` overrides the extension"))),
+        Some(other) => {
+            let similar = sdf_syntax::did_you_mean(other, ["glsl", "frag", "wgsl", "png"]);
+            let help = match similar {
+                Some(similar) => format!("did you mean .{similar}?"),
+                None => format!("{known}; `--target` overrides the extension"),
+            };
+            Err(Failure::call(format!("no target is called .{other}")).help(help))
+        }
         None => Err(Failure::call(format!("{} has no extension to tell the target by", path.display()))
             .help(format!("{known}; `--target` names one for any file"))),
     }

@@ -85,7 +85,12 @@ impl Loader for FileLoader {
         if !self.allows(&wanted) {
             return Err(outside());
         }
-        let file = wanted.canonicalize().map_err(|error| unreadable(&error))?;
+        let file = wanted.canonicalize().map_err(|error| match similar_file(&wanted) {
+            Some(name) if error.kind() == io::ErrorKind::NotFound => {
+                refusal("there is no such file", Some(&format!("did you mean `{name}`?")))
+            }
+            _ => unreadable(&error),
+        })?;
         if !self.allows(&file) {
             return Err(outside());
         }
@@ -127,6 +132,17 @@ fn plain(path: &Path) -> PathBuf {
         }
     }
     out
+}
+
+/// A file that is there, in the folder of one that is not, and whose name is like it.
+pub fn similar_file(path: &Path) -> Option<String> {
+    /// More files than this are not looked through for a hint.
+    const MOST: usize = 10_000;
+    let wanted = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = fs::read_dir(folder).ok()?.take(MOST);
+    let names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    sdf_syntax::did_you_mean(wanted, names.iter().map(String::as_str)).map(str::to_string)
 }
 
 fn outside() -> Refusal {

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::terminal::Terminal;
 use sdf_lang::USER_FILE;
 use sdf_syntax::{FILE_LIMIT, Sources};
-use sdfc::reason;
+use sdfc::{reason, similar_file};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -28,7 +28,10 @@ pub fn read(path: &Path, terminal: &Terminal) -> Result<Scene, Failure> {
     let bytes = bytes(path).map_err(|error| {
         let failure = Failure::call(format!("cannot read {name}: {}", reason(&error)));
         match error.kind() {
-            io::ErrorKind::NotFound => failure.help("is the path right?"),
+            io::ErrorKind::NotFound => match similar_file(path) {
+                Some(name) => failure.help(format!("did you mean {name}?")),
+                None => failure.help("is the path right?"),
+            },
             _ => failure,
         }
     })?;

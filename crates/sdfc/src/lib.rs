@@ -12,7 +12,7 @@ mod files;
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
-pub use files::FileLoader;
+pub use files::{FileLoader, similar_file};
 pub use sdf_emit::Target;
 pub use sdf_lang::{Options, Scene};
 pub use sdf_render::{Frame, Picture};

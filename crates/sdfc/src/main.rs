@@ -15,7 +15,7 @@ mod render;
 mod terminal;
 
 use arguments::{Arguments, Command, CompileArguments};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use failure::Failure;
 use std::process::ExitCode;
 use terminal::Terminal;
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet. Without it a layer of the Vulkan loader writes to the terminal.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     bug::explain_panics();
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| refuse(&error));
     let terminal = Terminal::new(arguments.color);
     match run(&arguments, &terminal) {
         Ok(()) => ExitCode::SUCCESS,
@@ -33,6 +33,23 @@ fn main() -> ExitCode {
             failure.exit_code()
         }
     }
+}
+
+/// Says what is wrong with a call, and ends the process. A word that is like a command was meant to be one.
+fn refuse(error: &clap::Error) -> ! {
+    let first = std::env::args().nth(1).unwrap_or_default();
+    let commands = Arguments::command();
+    let names: Vec<&str> = commands.get_subcommands().map(clap::Command::get_name).collect();
+    if error.use_stderr()
+        && !std::path::Path::new(&first).exists()
+        && let Some(meant) = sdf_syntax::did_you_mean(&first, names.iter().copied())
+    {
+        let failure =
+            Failure::call(format!("there is no command `{first}`")).help(format!("did you mean `{meant}`?"));
+        Terminal::new(arguments::Color::Auto).failure(&failure);
+        std::process::exit(2);
+    }
+    error.exit()
 }
 
 fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {

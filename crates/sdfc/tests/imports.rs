@@ -149,3 +149,58 @@ fn an_imported_file_that_is_no_text_is_told() {
     fs::write(folder.path().join("a.sdf"), b"let a = \xff").unwrap();
     refuses(folder.path(), &["scene.sdf"], 1, &["E001", "a.sdf", "byte 8"]);
 }
+
+/// A file that has no scene of its own is right if all that it has is for others; the same file cannot be drawn.
+#[test]
+fn a_file_for_import_can_be_checked() {
+    let folder = folder(&[
+        ("lib.sdf", "fn ball(r) = sphere(r)\nparam k = 1 in 0..2\nmaterial m { color: 1 }\n"),
+        ("wrong.sdf", "fn ball(r) = spere(r)\n"),
+        ("empty.sdf", "// nothing\n"),
+        ("half.sdf", "camera { fov: 1 }\nfn ball(r) = sphere(r)\n"),
+    ]);
+    let (code, said) = check(folder.path(), &["lib.sdf"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("note: lib.sdf has no scene") && said.contains("nothing is wrong"), "{said}");
+    refuses(
+        folder.path(),
+        &["wrong.sdf"],
+        1,
+        &["E020", "did you mean `sphere`?", "1 scene checked: 1 error"],
+    );
+    for name in ["empty.sdf", "half.sdf"] {
+        refuses(folder.path(), &[name], 1, &["E060", "imported by others"]);
+    }
+    let mut run = Command::new(env!("CARGO_BIN_EXE_sdfc"));
+    let output = run.args(["lib.sdf", "--target", "wgsl"]).current_dir(folder.path()).output().unwrap();
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+}
+
+/// Names that the command takes have suggestions like those of the language.
+#[test]
+fn mistyped_names_have_suggestions() {
+    let folder = folder(&[
+        ("scene.sdf", "scene { sphere(1) }"),
+        ("uses.sdf", &scene("libary.sdf")),
+        ("library.sdf", BALL),
+    ]);
+    let rows = [
+        ("scene.sdf -o a.glls", "did you mean .glsl?"),
+        ("scene.sdf -o a.wgls", "did you mean .wgsl?"),
+        ("scene.sdf --target wgls", "a similar value exists: 'wgsl'"),
+        ("scene.sdf --emit tokns", "a similar value exists: 'tokens'"),
+        ("rendr scene.sdf -o a.png", "did you mean `render`?"),
+        ("chekc scene.sdf", "did you mean `check`?"),
+        ("render scene.sdf -o a.png --devise cpu", "a similar argument exists: '--device'"),
+        ("check secne.sdf", "did you mean scene.sdf?"),
+        ("check uses.sdf", "did you mean `library.sdf`?"),
+        ("check scene.sdf --set k=1", "this file has no params"),
+    ];
+    for (arguments, expected) in rows {
+        let mut run = Command::new(env!("CARGO_BIN_EXE_sdfc"));
+        let output = run.args(arguments.split(' ')).current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}: {said}");
+        assert!(said.contains(expected), "{arguments}: {said}");
+    }
+}

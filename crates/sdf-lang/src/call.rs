@@ -701,5 +701,15 @@ fn takes(slot: &Slot<'_>, value: &Value<'_>) -> Result<u32, String> {
             "a function",
         ),
     };
-    fits.ok_or_else(|| format!("`{}` must be {expected}, not {}", slot.name, value.describe()))
+    fits.ok_or_else(|| {
+        let hint = match (expected, value) {
+            ("a shape" | "a 2D shape", Value::List(l))
+                if matches!(l.items.first(), Some(Value::Shape(_))) =>
+            {
+                "; `union(list)` makes one shape of several"
+            }
+            _ => "",
+        };
+        format!("`{}` must be {expected}, not {}{hint}", slot.name, value.describe())
+    })
 }

@@ -93,8 +93,13 @@ pub(crate) fn import_clash(span: Span, name: &str, first: Span, second: Span) ->
 }
 
 pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}"))
-        .label(format!("expected {expected}"))
+    let d = Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}"))
+        .label(format!("expected {expected}"));
+    match (expected, found) {
+        ("a shape", "a function") => d.help("call it, or write a shape by its distance: `field { … p … }`"),
+        ("a shape", _) if found.starts_with("a list") => d.help("`union(list)` makes one shape of several"),
+        _ => d,
+    }
 }
 
 pub(crate) fn mixed_list(span: Span, first: &str, other: &str) -> Diagnostic {
@@ -249,9 +254,11 @@ pub(crate) fn block_twice(span: Span, what: &str, first: Span) -> Diagnostic {
 
 pub(crate) fn unknown_setting(name: &Name, block: &str, similar: Option<&str>, all: &[&str]) -> Diagnostic {
     let d = Diagnostic::new(Code::E062, name.span, format!("`{block}` has no `{}`", name.text));
-    match similar {
-        Some(s) => d.label("not a setting").help(format!("did you mean `{s}`?")),
-        None => d.label("not a setting").help(format!("it has {}", all.join(", "))),
+    let d = d.label("not a setting");
+    match (sdf_syntax::foreign_setting(block, &name.text), similar) {
+        (_, Some(s)) => d.help(format!("did you mean `{s}`?")),
+        (Some(ours), None) => d.help(ours),
+        (None, None) => d.help(format!("it has {}", all.join(", "))),
     }
 }
 

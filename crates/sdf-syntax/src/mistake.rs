@@ -243,6 +243,12 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
         Token::Semicolon if expected.has(Expected::CloseBrace) && around.next == Some(Token::CloseBrace) => {
             return Some(semicolon_after_value(span));
         }
+        Token::Minus if around.next == Some(Token::Greater) && expected.has(Expected::OpenBrace) => {
+            return Some(no_result_type(span));
+        }
+        Token::OpenParen if matches!(last, Some(Token::Field | Token::Field2)) => {
+            return Some(field_without_parameters(span));
+        }
         Token::Text(_) if !expected.has(Expected::Text) => return Some(text_elsewhere(span)),
         Token::Name(written) if expected.has(Expected::Item) => {
             return Some(unknown_item(span, written, around));
@@ -378,6 +384,21 @@ fn no_ternary(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E008, span, "there is no `?:`").help("write `if c { a } else { b }`")
 }
 
+fn no_result_type(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E008, span, "a function does not state what it gives")
+        .help("leave out the `->` and the type: `fn f(a: vec3) { … }`")
+}
+
+fn field_without_parameters(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E007, span, "a field has no parameters")
+        .help("write `field { … }`; the point is called `p`")
+}
+
+pub(crate) fn range_before_default(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E007, span, "the range of a param stands after its default")
+        .help("write for example `param a = 0.5 in 0..1`")
+}
+
 fn no_power(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E008, span, "there is no `**`").help("write `pow(a, b)`")
 }
@@ -437,6 +458,7 @@ fn semicolon_after_value(span: Span) -> Diagnostic {
 
 fn text_elsewhere(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E007, span, "texts stand only in `import` and in attributes")
+        .help("names have no quotes: `s.paint(gold)`")
 }
 
 fn comma_missing(between: Span, found: Span) -> Diagnostic {

@@ -76,11 +76,15 @@ fn import<'t>() -> Rule<'t, ItemKind> {
 fn param<'t>(expr: Rule<'t, Expr>) -> Rule<'t, ItemKind> {
     let bound = sum(expr.clone()).recover_with(via_parser(error(&[])));
     let range = just(Token::In).ignore_then(bound.clone()).then_ignore(just(Token::DotDot)).then(bound);
+    let swapped = range.clone().map_with(|range, e| (range, e.span())).then_ignore(just(Token::Assign));
+    let swapped = swapped.then(expr.clone()).validate(|((range, span), default), _, emitter| {
+        emitter.emit(mistake::range_before_default(span).into());
+        (default, Some(range))
+    });
     just(Token::Param)
         .ignore_then(name())
-        .then(assigned(expr, &[Token::In]))
-        .then(range.or_not())
-        .map(|((name, default), range)| ItemKind::Param { name, default, range })
+        .then(swapped.or(assigned(expr, &[Token::In]).then(range.or_not())))
+        .map(|(name, (default, range))| ItemKind::Param { name, default, range })
         .boxed()
 }
 

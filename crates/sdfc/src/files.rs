@@ -138,11 +138,14 @@ fn plain(path: &Path) -> PathBuf {
 pub fn similar_file(path: &Path) -> Option<String> {
     /// More files than this are not looked through for a hint.
     const MOST: usize = 10_000;
-    let wanted = path.file_name()?.to_str()?;
+    let wanted = path.file_stem()?.to_str()?;
+    let extension = path.extension();
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = fs::read_dir(folder).ok()?.take(MOST);
     let names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    sdf_syntax::did_you_mean(wanted, names.iter().map(String::as_str)).map(str::to_string)
+    let alike = names.iter().map(Path::new).filter(|name| name.extension() == extension);
+    let stem = sdf_syntax::did_you_mean(wanted, alike.filter_map(|name| name.file_stem()?.to_str()))?;
+    Some(Path::new(stem).with_extension(extension.unwrap_or_default()).display().to_string())
 }
 
 fn outside() -> Refusal {

@@ -192,7 +192,7 @@ fn mistyped_names_have_suggestions() {
         ("rendr scene.sdf -o a.png", "did you mean `render`?"),
         ("chekc scene.sdf", "did you mean `check`?"),
         ("render scene.sdf -o a.png --devise cpu", "a similar argument exists: '--device'"),
-        ("check secne.sdf", "did you mean scene.sdf?"),
+        ("check scne.sdf", "did you mean scene.sdf?"),
         ("check uses.sdf", "did you mean `library.sdf`?"),
         ("check scene.sdf --set k=1", "this file has no params"),
     ];

@@ -39,6 +39,24 @@ const ROWS: &[(&str, &str)] = &[
     ("scene { sphere(1).paint(material { specualr: 1 }) }", "did you mean `specular`?"),
     ("let s = (width: 1, height: 2) scene { sphere(s.widht) }", "did you mean `width`?"),
     ("let s = (width: 1, height: 2) scene { sphere(s.widht(1)) }", "did you mean `width`?"),
+    // Fields by the names of other tools.
+    ("camera { position: 1 } scene { sphere(1) }", "the camera's place is `eye`"),
+    ("camera { look_at: 1 } scene { sphere(1) }", "what it looks at is `target`"),
+    ("light a { direction: 1, brightness: 2 } scene { sphere(1) }", "its strength is `intensity`"),
+    ("material m { albedo: 1 } scene { sphere(1) }", "the colour is `color`"),
+    ("render { maxSteps: 100 } scene { sphere(1) }", "write `steps`"),
+    // What stands in other languages.
+    (
+        "fn f(p: vec3) -> float { length(p) } scene { sphere(f(x)) }",
+        "leave out the `->` and the type: `fn f(a: vec3) { … }`",
+    ),
+    ("scene { field(p) { length(p) - 1 } }", "write `field { … }`; the point is called `p`"),
+    ("scene { |p| length(p) - 1 }", "call it, or write a shape by its distance: `field { … p … }`"),
+    ("param a in 0..1 = 0.5 scene { sphere(a + 1) }", "write for example `param a = 0.5 in 0..1`"),
+    (
+        "let l = [sphere(1), box(1)] scene { l.paint(#f00) }",
+        "`s` must be a shape, not a list of 2; `union(list)` makes one shape of several",
+    ),
     // Words.
     ("camera { projection: perspectiv } scene { sphere(1) }", "did you mean `perspective`?"),
     ("render { normals: tetrahedral } scene { sphere(1) }", "did you mean `tetrahedron`?"),

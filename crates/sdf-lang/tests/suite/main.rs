@@ -3,6 +3,7 @@
 mod attributes;
 mod complete;
 mod imports;
+mod language;
 mod limits;
 mod materials;
 mod operators;

@@ -95,7 +95,7 @@ impl<'t> Elaborator<'t> {
         env: &Env<'t>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        let candidates = self.overloads(name, env.module);
+        let candidates = self.overloads(name, env.module, name_span)?;
         if candidates.is_empty() {
             let callee = self.global(name, env.module, name_span);
             let given = self.given(None, arguments, env);
@@ -137,21 +137,32 @@ impl<'t> Elaborator<'t> {
             let given = self.given(Some(receiver), arguments, env)?;
             return self.apply_value(local, given, span);
         }
-        let mut candidates = self.overloads(&name.text, env.module);
-        if candidates.is_empty() && self.names.module(env.module).values.contains_key(&name.text) {
+        if self.names.is_value(&name.text, env.module) {
             let item = self.global(&name.text, env.module, name.span)?;
             if matches!(item, Value::Function(_) | Value::Shape(_)) {
                 let given = self.given(Some(receiver), arguments, env)?;
                 return self.apply_value(item, given, span);
             }
-            // What cannot be called hides no method.
-            candidates = self.overloads(&name.text, Module::Library);
         }
-        let given = self.given(Some(receiver), arguments, env);
+        let candidates = self.methods(&name.text, env.module, name.span)?;
         if candidates.is_empty() {
-            return self.report(self.names.unknown_function(&name.text, name.span, env.module));
+            let _ = self.given(None, arguments, env);
+            return self.unknown_method(&receiver, name, env.module);
         }
-        self.call_overloads(&name.text, &candidates, given?, span)
+        let given = self.given(Some(receiver), arguments, env)?;
+        self.call_overloads(&name.text, &candidates, given, span)
+    }
+
+    fn unknown_method(&mut self, receiver: &Value<'t>, name: &Name, module: Module) -> Eval<Value<'t>> {
+        if let Value::Record(record) = receiver {
+            let fields = record.fields.iter().map(|(field, _)| &**field);
+            if let Some(similar) = sdf_syntax::did_you_mean(&name.text, fields) {
+                let help = format!("did you mean `{similar}`?");
+                return self.report(errors::no_member(name.span, &name.text, "this record", Some(help)));
+            }
+        }
+        let diagnostic = self.names.unknown_function(&name.text, name.span, module);
+        self.report_unknown(diagnostic, module)
     }
 
     /// A call with arguments that are values already.
@@ -189,7 +200,7 @@ impl<'t> Elaborator<'t> {
 
     /// A call of the library's function for an operator on shapes.
     pub fn call_named(&mut self, name: &str, arguments: Vec<Value<'t>>, span: Span) -> Eval<Value<'t>> {
-        let candidates = self.overloads(name, Module::Library);
+        let candidates = self.overloads(name, Module::Library, span)?;
         self.call_overloads(&Arc::from(name), &candidates, Given::positional(arguments), span)
     }
 
@@ -237,7 +248,9 @@ impl<'t> Elaborator<'t> {
         let chosen = match (fits.len(), exact) {
             (0, _) => {
                 let signatures: Vec<String> = candidates.iter().map(|c| signature(name, &slots(c))).collect();
-                let named = reasons.iter().find(|why| why.contains("is named")).cloned();
+                let named =
+                    reasons.iter().find(|why| why.contains("is named") || why.contains("did you mean"));
+                let named = named.cloned();
                 let why = named
                     .unwrap_or_else(|| if reasons.len() == 1 { reasons.remove(0) } else { String::new() });
                 return self.report(errors::no_fit(span, name, &given.describe(), &why, &signatures));
@@ -315,11 +328,11 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<Value<'t>> {
         let place = std::ptr::from_ref(function).cast::<()>();
-        if span.file == crate::USER_FILE {
+        if !crate::library::is_ours(span.file) {
             // Its arguments have been evaluated: what happens from now on comes from the whole call.
             self.place = span;
         }
-        if module != Module::User {
+        if !module.is_user() {
             return self.call_afresh(function, module, &arguments, span);
         }
         if let Some(shape) = self.known_shape(place, &arguments)
@@ -472,7 +485,7 @@ impl<'t> Elaborator<'t> {
         given: Given<'t>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::User)).collect();
+        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::ROOT)).collect();
         let fit = match fit(&mut self.contexts, &slots, &given) {
             Ok(fit) => fit,
             Err(why) => {
@@ -507,11 +520,7 @@ impl<'t> Elaborator<'t> {
         };
         // The library's are called with new arguments each time.
         let inert = |this: &mut Self| this.inert_of_lambda(lambda);
-        if env.module == Module::User {
-            self.once(place, Some(env), &arguments, inert, run)
-        } else {
-            run(self)
-        }
+        if env.module.is_user() { self.once(place, Some(env), &arguments, inert, run) } else { run(self) }
     }
 }
 
@@ -553,27 +562,13 @@ pub(crate) fn signature(name: &str, slots: &[Slot<'_>]) -> String {
             let optional = if s.optional { " = …" } else { "" };
             match s.kind {
                 SlotKind::Type(kind) if kind != TypeKind::Float => {
-                    format!("{}{dots}: {}{optional}", s.name, type_name(kind))
+                    format!("{}{dots}: {}{optional}", s.name, kind.word())
                 }
                 _ => format!("{}{dots}{optional}", s.name),
             }
         })
         .collect();
     format!("{name}({})", parts.join(", "))
-}
-
-fn type_name(kind: TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Float => "float",
-        TypeKind::Vec2 => "vec2",
-        TypeKind::Vec3 => "vec3",
-        TypeKind::Bool => "bool",
-        TypeKind::Shape => "shape",
-        TypeKind::Shape2 => "shape2",
-        TypeKind::Material => "material",
-        TypeKind::List => "list",
-        TypeKind::Fn => "fn",
-    }
 }
 
 /// How arguments fit parameters, or why they do not. Where vectors may be given as rows of components, that
@@ -742,5 +737,15 @@ fn takes(slot: &Slot<'_>, value: &Value<'_>) -> Result<u32, String> {
             "a function",
         ),
     };
-    fits.ok_or_else(|| format!("`{}` must be {expected}, not {}", slot.name, value.describe()))
+    fits.ok_or_else(|| {
+        let hint = match (expected, value) {
+            ("a shape" | "a 2D shape", Value::List(l))
+                if matches!(l.items.first(), Some(Value::Shape(_))) =>
+            {
+                "; `union(list)` makes one shape of several"
+            }
+            _ => "",
+        };
+        format!("`{}` must be {expected}, not {}{hint}", slot.name, value.describe())
+    })
 }

@@ -121,6 +121,11 @@ impl Contexts {
         &mut self.stack.last_mut().expect("the frame is always open").builder
     }
 
+    /// The frame as far as it is made.
+    pub fn frame(&self) -> &Function {
+        self.stack[0].builder.function()
+    }
+
     /// Leaves the branches and loops of the frame that are being made, so that what follows lands before them.
     pub fn leave_frame_regions(&mut self) -> OpenRegions {
         self.stack[0].builder.leave_regions()

@@ -108,7 +108,7 @@ impl<'t> Contract<'t> {
 /// in the library's `@bounds` the level: the box is that of the points where the field is at most that.
 pub(crate) fn variables(module: Module) -> &'static [&'static str] {
     match module {
-        Module::User => &["p", "d"],
+        Module::User(_) => &["p", "d"],
         Module::Library | Module::Runtime => &["p", "d", "level"],
     }
 }

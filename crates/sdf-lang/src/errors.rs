@@ -1,6 +1,7 @@
 //! The diagnostics of meaning: one function each. The message says what is wrong, the help what to do.
 
 use crate::facts::Broken;
+use crate::import::{DEPTH_LIMIT, Refusal};
 use sdf_syntax::tree::Name;
 use sdf_syntax::{Code, Diagnostic, Span};
 
@@ -46,9 +47,70 @@ pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic 
     d.help("break the circle")
 }
 
+pub(crate) fn import_refused(span: Span, path: &str, refusal: &Refusal) -> Diagnostic {
+    let d = Diagnostic::new(Code::E024, span, format!("cannot import `{path}`: {}", refusal.message));
+    match &refusal.help {
+        Some(help) => d.help(help.clone()),
+        None => d,
+    }
+}
+
+pub(crate) fn imports_without_files(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E024, span, "this scene is not compiled from a folder, so it can import nothing")
+        .help("put everything into one file")
+}
+
+/// `path` are the names of the files, the first one once more at the end.
+pub(crate) fn import_circle(span: Span, path: &[&str]) -> Diagnostic {
+    Diagnostic::new(Code::E022, span, format!("`{}` imports itself: {}", path[0], path.join(" → ")))
+        .label("closes the circle")
+        .help("move what both need into a file of its own")
+}
+
+pub(crate) fn imports_too_deep(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E009, span, format!("files import each other more than {DEPTH_LIMIT} deep"))
+        .label("too deep from here on")
+}
+
+pub(crate) fn too_many_imports(span: Span, limit: &str) -> Diagnostic {
+    Diagnostic::new(Code::E009, span, format!("the scene imports more than {limit}"))
+        .label("reached the limit here")
+}
+
+/// A name that another file defines, which this one does not import: imports are not passed on.
+pub(crate) fn not_imported_here(span: Span, name: &str, place: Span) -> Diagnostic {
+    Diagnostic::new(Code::E020, span, format!("nothing is called `{name}` in this file"))
+        .label("not found")
+        .related(place, "defined in this file, which is not imported there")
+        .help("import that file as well: what a file imports is not passed on")
+}
+
+pub(crate) fn import_clash(span: Span, name: &str, first: Span, second: Span) -> Diagnostic {
+    Diagnostic::new(Code::E025, span, format!("two imported files define `{name}`"))
+        .label("which one is meant?")
+        .related(first, "one is here")
+        .related(second, "the other is here")
+        .help("rename one of them, or define your own, which hides both")
+}
+
 pub(crate) fn wrong_type(span: Span, expected: &str, found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}"))
-        .label(format!("expected {expected}"))
+    let d = Diagnostic::new(Code::E030, span, format!("this is {found}, not {expected}"))
+        .label(format!("expected {expected}"));
+    match (expected, found) {
+        ("a shape", "a function") => d.help("call it, or write a shape by its distance: `field { … p … }`"),
+        ("a shape", _) if found.starts_with("a list") => d.help("`union(list)` makes one shape of several"),
+        _ => d,
+    }
+}
+
+pub(crate) fn mixed_list(span: Span, first: &str, other: &str) -> Diagnostic {
+    Diagnostic::new(
+        Code::E030,
+        span,
+        format!("a list has elements of one type, and this has {first} and {other}"),
+    )
+    .label(format!("expected {first}"))
+    .help("values that belong together are a record: `(size: 1, shape: s)`")
 }
 
 pub(crate) fn operator(span: Span, op: &str, left: &str, right: &str, help: Option<&str>) -> Diagnostic {
@@ -73,8 +135,11 @@ pub(crate) fn not_callable(span: Span, found: &str) -> Diagnostic {
 
 /// No function of this name takes these arguments; `why` says what hinders the only or the nearest one.
 pub(crate) fn no_fit(span: Span, name: &str, given: &str, why: &str, signatures: &[String]) -> Diagnostic {
-    let d =
-        Diagnostic::new(Code::E032, span, format!("`{name}` does not take {given}")).label(why.to_string());
+    let message = match given {
+        "no arguments" => format!("`{name}` cannot be called without arguments"),
+        given => format!("`{name}` does not take {given}"),
+    };
+    let d = Diagnostic::new(Code::E032, span, message).label(why.to_string());
     match signatures {
         [] => d,
         [one] => d.help(format!("it is called as `{one}`")),
@@ -138,6 +203,19 @@ pub(crate) fn out_of_range(span: Span, what: &str, expected: &str) -> Diagnostic
     Diagnostic::new(Code::E043, span, format!("{what} is out of range")).label(format!("expected {expected}"))
 }
 
+/// `when` says for which values of params.
+pub(crate) fn may_leave_range(span: Span, what: &str, expected: &str, when: &str) -> Diagnostic {
+    Diagnostic::new(Code::W002, span, format!("{what} is out of range when {when}"))
+        .label(format!("expected {expected}"))
+        .help("narrow the range of the param, or bound the value with `clamp`, `min` or `max`")
+}
+
+pub(crate) fn degrees(span: Span, number: f64) -> Diagnostic {
+    Diagnostic::new(Code::W003, span, format!("an angle of {number} radians is more than a turn"))
+        .label("radians, for it has no unit")
+        .help(format!("did you mean `{number}deg`? If not, write `{number}rad`"))
+}
+
 pub(crate) fn too_long(span: Span, what: &str, limit: u64) -> Diagnostic {
     Diagnostic::new(Code::E044, span, format!("{what} is longer than the limit of {limit}")).label("here")
 }
@@ -187,7 +265,7 @@ pub(crate) fn no_shares(span: Span) -> Diagnostic {
 
 pub(crate) fn no_scene(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E060, span, "there is no scene in this file")
-        .help("add one, for example `scene { sphere(1) }`")
+        .help("add one, for example `scene { sphere(1) }`; a file without one can only be imported by others")
 }
 
 pub(crate) fn block_twice(span: Span, what: &str, first: Span) -> Diagnostic {
@@ -199,9 +277,20 @@ pub(crate) fn block_twice(span: Span, what: &str, first: Span) -> Diagnostic {
 
 pub(crate) fn unknown_setting(name: &Name, block: &str, similar: Option<&str>, all: &[&str]) -> Diagnostic {
     let d = Diagnostic::new(Code::E062, name.span, format!("`{block}` has no `{}`", name.text));
+    let d = d.label("not a setting");
+    match (sdf_syntax::foreign_setting(block, &name.text), similar) {
+        (_, Some(s)) => d.help(format!("did you mean `{s}`?")),
+        (Some(ours), None) => d.help(ours),
+        (None, None) => d.help(format!("it has {}", all.join(", "))),
+    }
+}
+
+/// A field that takes one of some words.
+pub(crate) fn wrong_word(span: Span, name: &str, similar: Option<&str>, words: &[&str]) -> Diagnostic {
+    let d = Diagnostic::new(Code::E063, span, format!("`{name}` does not take this value"));
     match similar {
-        Some(s) => d.label("not a setting").help(format!("did you mean `{s}`?")),
-        None => d.label("not a setting").help(format!("it has {}", all.join(", "))),
+        Some(word) => d.help(format!("did you mean `{word}`?")),
+        None => d.help(format!("write one of {}", words.join(", "))),
     }
 }
 
@@ -228,6 +317,14 @@ pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl In
 /// What the author of a function or value requires does not hold.
 pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
     Diagnostic::new(Code::E043, span, message).label("refused here").related(stated, "required here")
+}
+
+/// What is required does not hold for some values of params, which `when` names.
+pub(crate) fn breakable_requirement(span: Span, message: &str, stated: Span, when: &str) -> Diagnostic {
+    Diagnostic::new(Code::W002, span, message)
+        .label(format!("not so when {when}"))
+        .related(stated, "required here")
+        .help("narrow the range of the param, or bound the value with `clamp`, `min` or `max`")
 }
 
 pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]) -> Diagnostic {

@@ -89,7 +89,7 @@ pub(crate) struct Elaborator<'t> {
     pub sizes: crate::expansion::Sizes<'t>,
     /// How far rays have to go in a scene that the camera frames by itself.
     pub framed: Option<f64>,
-    /// What of the user's file is being evaluated.
+    /// What of the user's files is being evaluated.
     pub place: Span,
     /// What was proved of shapes so far.
     pub facts: crate::facts::Facts<'t>,
@@ -99,7 +99,7 @@ pub(crate) struct Elaborator<'t> {
 
 impl<'t> Elaborator<'t> {
     pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
-        if diagnostic.span.file != crate::USER_FILE {
+        if crate::library::is_ours(diagnostic.span.file) {
             // What is wrong inside the library was caused by what the user's file asked of it.
             diagnostic.span = self.place;
             diagnostic.related.clear();
@@ -108,14 +108,19 @@ impl<'t> Elaborator<'t> {
         Err(Reported)
     }
 
-    /// The line of the user's file that a place is in; none for the library's.
+    /// Says something that is no error.
+    pub fn warn(&mut self, warning: Diagnostic) {
+        let _: Eval<()> = self.report(warning);
+    }
+
+    /// The line of the root file that a place is in; none for other files.
     pub fn line(&self, span: Span) -> Option<u32> {
         (span.file == crate::USER_FILE).then(|| self.sources.line(span.file, span.start) as u32)
     }
 
     /// Counts one piece of work, and refuses to do too much of it.
     pub fn count(&mut self, span: Span) -> Eval<()> {
-        if span.file == crate::USER_FILE {
+        if !crate::library::is_ours(span.file) {
             self.place = span;
         }
         self.work += 1;
@@ -174,7 +179,10 @@ impl<'t> Elaborator<'t> {
                 let fields = fields.into_iter().map(|(n, v)| v.map(|v| (n, v))).collect::<Eval<_>>()?;
                 Ok(Value::record(fields))
             }
-            ExprKind::List(items) => Ok(Value::list(self.eval_all(items, env)?)),
+            ExprKind::List(items) => {
+                let values = self.eval_all(items, env)?;
+                self.list(values, |i| items[i].span)
+            }
             ExprKind::Block(block) => self.block(block, env),
             ExprKind::Shape(dimension, block) => Ok(self.field(*dimension, block, env)),
             ExprKind::Material(record) => {
@@ -198,7 +206,7 @@ impl<'t> Elaborator<'t> {
                         break;
                     }
                 }
-                Ok(Value::list(out))
+                self.list(out, |_| body.result.span)
             }
             ExprKind::Lambda(lambda) => {
                 Ok(Value::Function(Rc::new(Callable::Lambda { lambda, env: env.clone() })))
@@ -211,6 +219,22 @@ impl<'t> Elaborator<'t> {
             ExprKind::Postfix { base, operations } => self.postfix(base, operations, env),
             ExprKind::Error => Err(Reported),
         }
+    }
+
+    /// A list of these values, which are all of one type; `place` tells where each stands.
+    fn list(&mut self, values: Vec<Value<'t>>, place: impl Fn(usize) -> Span) -> Eval<Value<'t>> {
+        let kind = |value: &Value<'t>| match value {
+            Value::Number(n) => crate::value::describe_type(n.ty).to_string(),
+            Value::List(_) => "a list".to_string(),
+            other => other.describe(),
+        };
+        if let Some(first) = values.first().map(kind)
+            && let Some(odd) = values.iter().position(|value| kind(value) != first)
+        {
+            let other = kind(&values[odd]);
+            return self.report(errors::mixed_list(place(odd), &first, &other));
+        }
+        Ok(Value::list(values))
     }
 
     /// The values of several expressions; all are evaluated, so that all mistakes in them are found.
@@ -318,8 +342,18 @@ impl<'t> Elaborator<'t> {
     }
 
     /// All functions that `name` can mean where no variable hides them.
-    pub fn overloads(&self, name: &str, module: Module) -> Vec<Candidate<'t>> {
-        self.names.functions(name, module)
+    pub fn overloads(&mut self, name: &str, module: Module, span: Span) -> Eval<Vec<Candidate<'t>>> {
+        self.names.functions(name, module).or_else(|clash| self.report(clash.diagnostic(name, span)))
+    }
+
+    /// All functions that `name` can mean behind a `.`.
+    pub fn methods(&mut self, name: &str, module: Module, span: Span) -> Eval<Vec<Candidate<'t>>> {
+        self.names.methods(name, module).or_else(|clash| self.report(clash.diagnostic(name, span)))
+    }
+
+    /// Reports a name that means nothing, unless it may come from a file that could not be imported.
+    pub fn report_unknown<T>(&mut self, diagnostic: Diagnostic, module: Module) -> Eval<T> {
+        if self.names.module(module).incomplete { Err(Reported) } else { self.report(diagnostic) }
     }
 
     // ---- postfix operations
@@ -372,7 +406,12 @@ impl<'t> Elaborator<'t> {
                 }
                 None => {
                     let found = value.describe();
+                    let plain = name.to_lowercase();
                     let help = match n.ty {
+                        _ if swizzle(&plain, n.ty).is_some() => format!("did you mean `.{plain}`?"),
+                        Type::Vec3 if name.len() <= 3 && name.chars().all(|c| "xyzrgb".contains(c)) => {
+                            "`.x .y .z` and `.r .g .b` do not mix".to_string()
+                        }
                         Type::Float => "a float has no components".to_string(),
                         Type::Vec2 => {
                             "its components are `.x` and `.y`, in any order and number up to 3".into()
@@ -500,7 +539,7 @@ impl<'t> Elaborator<'t> {
     /// An operation on two numbers; floats are widened where the operation wants equal types.
     pub fn binary(&mut self, op: Binary, a: &Number, b: &Number, span: Span) -> Eval<Number> {
         // The library's code means the total quotient: a size of 0 is no mistake of its own.
-        if span.file == crate::USER_FILE
+        if !crate::library::is_ours(span.file)
             && matches!(op, Binary::Divide | Binary::Modulo)
             && a.known().is_some()
             && b.known().is_some_and(|c| c.components().contains(&0.0))

@@ -2,7 +2,7 @@
 
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Memo, Reported, name_shape};
-use crate::names::Item;
+use crate::names::{Item, Meaning};
 use crate::value::{Callable, Env, Material, Module, Number, Thunk, Value};
 use sdf_ir::{Constant, Role, Type, Uniform};
 use sdf_syntax::Span;
@@ -13,22 +13,19 @@ use std::sync::Arc;
 impl<'t> Elaborator<'t> {
     /// What a name means where no variable has it.
     pub fn global(&mut self, name: &Arc<str>, module: Module, span: Span) -> Eval<Value<'t>> {
-        let own = self.names.module(module);
-        if let Some(item) = own.values.get(name) {
-            return self.item(module, name, *item, span);
-        }
-        let functions = self.overloads(name, module);
-        if !functions.is_empty() {
-            return Ok(Value::Function(Rc::new(Callable::Overloads(name.clone(), functions))));
-        }
-        if let Some(item) = self.names.library.values.get(name) {
-            return self.item(Module::Library, name, *item, span);
+        match self.names.meaning(name, module) {
+            Meaning::Value(owner, item) => return self.item(owner, name, item, span),
+            Meaning::Functions(functions) => {
+                return Ok(Value::Function(Rc::new(Callable::Overloads(name.clone(), functions))));
+            }
+            Meaning::Clash(clash) => return self.report(clash.diagnostic(name, span)),
+            Meaning::Nothing => {}
         }
         if let Some(value) = self.constant(name) {
             return Ok(value);
         }
         let diagnostic = self.names.unknown(name, span, module, &[]);
-        self.report(diagnostic)
+        self.report_unknown(diagnostic, module)
     }
 
     fn constant(&mut self, name: &str) -> Option<Value<'t>> {
@@ -63,10 +60,7 @@ impl<'t> Elaborator<'t> {
             Some(Memo::Running) => return self.report_cycle(module, name, span),
             None => {}
         }
-        let place = match item {
-            Item::Let(binding) => binding.name.span,
-            Item::Param { name, .. } | Item::Material(name, _) => name.span,
-        };
+        let place = item.span();
         self.items.insert(key.clone(), Memo::Running);
         self.pending.push((module, name.clone(), place));
         // An item is evaluated by itself, whatever needed it.
@@ -104,7 +98,7 @@ impl<'t> Elaborator<'t> {
                 self.require(std::ptr::from_ref(binding).cast(), module, &own, binding.name.span)?;
                 Ok(match value {
                     Value::Number(n) => Value::Number(n.named(&binding.name.text)),
-                    value if module == Module::User => {
+                    value if module.is_user() => {
                         name_shape(value, &binding.name.text, binding.name.span, Thunk::Let(binding))
                     }
                     value => value,
@@ -124,11 +118,14 @@ impl<'t> Elaborator<'t> {
             if holds.known() == Some(Constant::Bool(false)) {
                 return self.report(errors::requirement(span, requirement.message, requirement.span));
             }
+            if let Some(when) = self.when(&holds, |c| *c == Constant::Bool(false)) {
+                self.warn(errors::breakable_requirement(span, requirement.message, requirement.span, &when));
+            }
         }
         Ok(())
     }
 
-    /// A param: a uniform, or the value that `--set` froze it to.
+    /// A param: a uniform of the name that it has outside the file, or the value that `--set` froze it to.
     fn param(
         &mut self,
         name: &'t Name,
@@ -190,12 +187,12 @@ impl<'t> Elaborator<'t> {
         };
         let color = matches!(constant, Constant::Vec3(_));
         let role = Role::Param { range, color };
-        if let Some(text) = self.overrides.get(&*name.text) {
+        if let Some(text) = self.overrides.get(&*self.names.name_to_set(env.module, name)) {
             let text = text.clone();
             return self.frozen(name, &text, constant, range);
         }
         Ok(self.contexts.uniform(Uniform {
-            name: name.text.clone(),
+            name: self.names.param_name(env.module, name),
             ty: constant.ty(),
             role,
             default: constant,
@@ -251,11 +248,16 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    /// Evaluates every `let`, param and constant part of the user's file, so that mistakes in those that
-    /// nothing uses are found too.
+    /// Evaluates every `let`, param and material of the user's files, so that mistakes in those that nothing uses
+    /// are found too.
     pub fn evaluate_all_items(&mut self) {
-        for (name, item) in &self.names.user.order {
-            let _: Result<_, Reported> = self.item(Module::User, &name.text, *item, name.span);
+        for (module, items) in self.names.user_modules() {
+            for (name, item) in &items.order {
+                let value = self.item(module, &name.text, *item, name.span);
+                if let Ok(Value::Material(material)) = value {
+                    let _: Result<_, Reported> = self.check_material(&material);
+                }
+            }
         }
     }
 }

@@ -8,6 +8,7 @@
 
 mod builtin;
 mod call;
+mod check;
 mod choice;
 mod context;
 mod contract;
@@ -16,6 +17,7 @@ mod eval;
 mod expansion;
 mod facts;
 mod framing;
+mod import;
 mod items;
 mod library;
 mod lookahead;
@@ -23,6 +25,7 @@ mod memo;
 mod names;
 mod operators;
 mod outline;
+mod ranges;
 mod scene;
 mod settings;
 mod shape;
@@ -30,15 +33,18 @@ mod signs;
 mod stride;
 mod surface;
 mod value;
+mod vocabulary;
 mod walk;
 
 pub use facts::{Basis, Class, Fact};
+pub use import::{Imports, Loader, Location, Refusal, Texts};
+pub use vocabulary::{Vocabulary, vocabulary};
 
 use sdf_ir::{Constant, FunctionId, Program};
 use sdf_syntax::tree::File;
 use sdf_syntax::{Diagnostic, FileId, Severity, Sources};
 
-/// The file that the user gave.
+/// The root file: the one that the user gave.
 pub const USER_FILE: FileId = FileId(0);
 
 /// The distance of what is not there: farther than anything that is drawn.
@@ -67,12 +73,14 @@ pub struct Options {
     pub probe: bool,
     /// Whether the scene is to have a [`query`](Scene::query).
     pub query: bool,
+    /// How the files that the scene imports are found and read.
+    pub imports: Imports,
 }
 
 /// What came of a file.
 #[derive(Debug)]
 pub struct Compilation {
-    /// The user's file and those of the compiler, which the places of diagnostics refer to.
+    /// The user's file, those of the compiler and those that are imported, which the places of diagnostics refer to.
     pub sources: Sources,
     /// The tree of the user's file.
     pub tree: File,
@@ -144,11 +152,13 @@ pub fn material_defaults() -> impl Iterator<Item = (&'static str, Constant)> {
 
 /// Compiles a file. `name` is what messages call it.
 pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
-    let sources = library::sources(name, text);
+    let mut sources = library::sources(name, text);
     let (tree, mut diagnostics) = sdf_syntax::parse(USER_FILE, text);
-    let syntax_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
+    let root_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
+    let files = import::load(&tree, &mut sources, &options.imports, &mut diagnostics);
+    let text_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
     let (scene, work) = std::thread::scope(|scope| {
-        let work = || scene::elaborate(&sources, &tree, options);
+        let work = || scene::elaborate(&sources, &tree, &files, options);
         let thread = std::thread::Builder::new().name("elaborate".into()).stack_size(STACK);
         match thread.spawn_scoped(scope, work).map(|handle| handle.join()) {
             Ok(Ok((scene, found, work))) => {
@@ -159,12 +169,12 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
             Err(error) => panic!("no thread for elaboration: {error}"),
         }
     });
-    if syntax_errors {
+    if root_errors {
         // It may be what could not be read.
         diagnostics.retain(|d| d.code != sdf_syntax::Code::E060);
     }
     tidy(&mut diagnostics);
-    let scene = scene.filter(|_| !syntax_errors);
+    let scene = scene.filter(|_| !text_errors);
     Compilation { sources, tree, diagnostics, scene, work }
 }
 

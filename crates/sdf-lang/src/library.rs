@@ -49,6 +49,11 @@ pub(crate) fn library() -> &'static Library {
     })
 }
 
+/// Whether a file is part of the compiler.
+pub(crate) fn is_ours(file: FileId) -> bool {
+    (1..=STD.len() + RUNTIME.len()).contains(&usize::from(file.0))
+}
+
 /// The user's file as file 0, and after it the files of the compiler.
 pub(crate) fn sources(name: &str, text: &str) -> Sources {
     let mut sources = Sources::default();

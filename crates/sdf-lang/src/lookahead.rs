@@ -8,7 +8,7 @@
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::names::Names;
-use crate::value::{Env, Module, Value};
+use crate::value::{Env, Value};
 use rustc_hash::{FxHashMap, FxHashSet};
 use sdf_syntax::tree::{Argument, BinaryOp, Block, Expr, ExprKind, Function, Lambda, Postfix, PostfixKind};
 use std::sync::Arc;
@@ -122,7 +122,7 @@ pub(crate) struct Inert {
 impl Inert {
     /// Those of the user's functions: all parameters are taken to be inert until one is seen to decide something.
     fn of(names: &Names<'_>) -> Inert {
-        let functions = || names.module(Module::User).functions.values().flatten().copied();
+        let functions = || names.user_modules().flat_map(|(_, items)| &items.all_functions).copied();
         let place = |function: &Function| std::ptr::from_ref(function).cast::<()>();
         let mut inert = Inert::default();
         inert.known.extend(functions().map(|f| (place(f), vec![true; f.parameters.len()].into())));
@@ -250,14 +250,19 @@ impl Walk<'_, '_> {
     }
 
     fn is_function(&self, name: &str) -> bool {
-        !self.names.functions(name, Module::User).is_empty()
+        self.written(name).next().is_some() || self.names.is_of_library(name)
+    }
+
+    /// The functions of a name in all of the user's files: which of them is meant is not asked here.
+    fn written(&self, name: &str) -> impl Iterator<Item = &Function> {
+        self.names.user_modules().filter_map(move |(_, items)| items.functions.get(name)).flatten().copied()
     }
 
     /// Whether an argument decides nothing in all functions of a name. In the library nothing expands, but for
     /// the rounds of `iterate`.
     fn is_inert_argument(&self, function: &str, index: usize, name: Option<&str>) -> bool {
-        match self.names.module(Module::User).functions.get(function) {
-            Some(overloads) => overloads.iter().all(|f| {
+        match self.written(function).next() {
+            Some(_) => self.written(function).all(|f| {
                 let place = match name {
                     Some(name) => f.parameters.iter().position(|p| &*p.name.text == name),
                     None => Some(index),

@@ -163,7 +163,9 @@ impl<'t> Elaborator<'t> {
                 numbers && (a.ty == b.ty || a.ty == Type::Float || b.ty == Type::Float)
             }
             BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual => floats,
-            BinaryOp::Equal | BinaryOp::NotEqual => floats || bools,
+            BinaryOp::Equal | BinaryOp::NotEqual => {
+                bools || numbers && (a.ty == b.ty || a.ty == Type::Float || b.ty == Type::Float)
+            }
             BinaryOp::And | BinaryOp::Or => bools,
             BinaryOp::Range => floats,
             BinaryOp::Union | BinaryOp::Intersection => false,
@@ -182,9 +184,9 @@ impl<'t> Elaborator<'t> {
             BinaryOp::LessEqual => self.binary(Binary::LessEqual, &a, &b, span)?,
             BinaryOp::Greater => self.binary(Binary::Less, &b, &a, span)?,
             BinaryOp::GreaterEqual => self.binary(Binary::LessEqual, &b, &a, span)?,
-            BinaryOp::Equal => self.binary(Binary::Equal, &a, &b, span)?,
+            BinaryOp::Equal => self.equal(&a, &b, span)?,
             BinaryOp::NotEqual => {
-                let equal = self.binary(Binary::Equal, &a, &b, span)?;
+                let equal = self.equal(&a, &b, span)?;
                 self.unary(Unary::Not, &equal, span)?
             }
             BinaryOp::And => self.binary(Binary::And, &a, &b, span)?,
@@ -193,6 +195,20 @@ impl<'t> Elaborator<'t> {
             BinaryOp::Union | BinaryOp::Intersection => unreachable!("refused above"),
         };
         Ok(Value::Number(number))
+    }
+
+    /// Whether two numbers are equal; vectors are where all their components are.
+    fn equal(&mut self, a: &Number, b: &Number, span: Span) -> Eval<Number> {
+        let mut all: Option<Number> = None;
+        for i in 0..a.ty.size().max(b.ty.size()) {
+            let (x, y) = (self.component(a, i), self.component(b, i));
+            let equal = self.binary(Binary::Equal, &x, &y, span)?;
+            all = Some(match all {
+                Some(before) => self.binary(Binary::And, &before, &equal, span)?,
+                None => equal,
+            });
+        }
+        Ok(all.expect("a number has a component"))
     }
 
     pub fn range(&mut self, from: &Number, to: &Number, span: Span) -> Eval<Value<'t>> {

@@ -4,6 +4,7 @@ use crate::context::Contexts;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::expansion::{OPERATION_LIMIT, Size};
+use crate::import;
 use crate::library;
 use crate::names::Names;
 use crate::surface::Column;
@@ -13,7 +14,7 @@ use sdf_ir::cost::operations;
 use sdf_ir::region::Extent;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
-use sdf_syntax::{Diagnostic, Sources, Span};
+use sdf_syntax::{Diagnostic, Severity, Sources, Span};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -22,14 +23,15 @@ use std::sync::Arc;
 pub(crate) fn elaborate(
     sources: &Sources,
     tree: &File,
+    files: &import::Files,
     options: &Options,
 ) -> (Option<Scene>, Vec<Diagnostic>, usize) {
     let library = library::library();
     let mut diagnostics = Vec::new();
     let std: Vec<&File> = library.std.iter().collect();
     let runtime: Vec<&File> = library.runtime.iter().collect();
-    let names = Names::new(tree, &std, &runtime, &mut diagnostics);
-    names.check(&mut diagnostics);
+    let names = Names::new(tree, files, &std, &runtime, &mut diagnostics);
+    names.check(sources, &mut diagnostics);
     let mut elaborator = Elaborator {
         sources,
         names: &names,
@@ -63,22 +65,25 @@ pub(crate) fn elaborate(
     };
     let scene = elaborator.scene(options);
     let Elaborator { contexts, mut diagnostics, work, .. } = elaborator;
-    let scene = scene.ok().filter(|_| diagnostics.is_empty()).map(|made| {
-        let mut program = contexts.into_program();
-        program.entry = Some(made.pixel);
-        let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
-        let roots: Vec<_> = made.map.into_iter().chain(made.probe).chain(asked).collect();
-        let (program, kept) = sdf_ir::simplify(&program, &roots);
-        debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
-        let mut kept = kept.into_iter();
-        let map = made.map.and_then(|_| kept.next());
-        let probe = made.probe.and_then(|_| kept.next());
-        let query = match (kept.next(), kept.next(), kept.next()) {
-            (Some(distance), Some(gradient), Some(material)) => Some(Query { distance, gradient, material }),
-            _ => None,
-        };
-        Scene { map, probe, query, program, facts: made.facts, summary: made.summary }
-    });
+    let scene =
+        scene.ok().filter(|_| !diagnostics.iter().any(|d| d.severity() == Severity::Error)).map(|made| {
+            let mut program = contexts.into_program();
+            program.entry = Some(made.pixel);
+            let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
+            let roots: Vec<_> = made.map.into_iter().chain(made.probe).chain(asked).collect();
+            let (program, kept) = sdf_ir::simplify(&program, &roots);
+            debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
+            let mut kept = kept.into_iter();
+            let map = made.map.and_then(|_| kept.next());
+            let probe = made.probe.and_then(|_| kept.next());
+            let query = match (kept.next(), kept.next(), kept.next()) {
+                (Some(distance), Some(gradient), Some(material)) => {
+                    Some(Query { distance, gradient, material })
+                }
+                _ => None,
+            };
+            Scene { map, probe, query, program, facts: made.facts, summary: made.summary }
+        });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
         if !fits {
@@ -241,7 +246,7 @@ impl<'t> Elaborator<'t> {
             self.diagnostics.push(errors::block_twice(*again, "scene", *place));
         }
         let (env, unbound) =
-            self.bind_all(&scene.bindings, &Env::new(Module::User), |_, binding, value| match value {
+            self.bind_all(&scene.bindings, &Env::new(Module::ROOT), |_, binding, value| match value {
                 Value::Number(n) => Value::Number(n.named(&binding.name.text)),
                 v => name_shape(v, &binding.name.text, binding.name.span, Thunk::Let(binding)),
             });
@@ -317,14 +322,8 @@ impl<'t> Elaborator<'t> {
     /// Every `--set` must name a param of the file.
     fn check_overrides(&mut self, options: &Options) {
         for (name, _) in &options.set {
-            let params: Vec<&str> = self
-                .names
-                .user
-                .order
-                .iter()
-                .filter(|(_, item)| matches!(item, crate::names::Item::Param { .. }))
-                .map(|(n, _)| &*n.text)
-                .collect();
+            let params = self.names.names_to_set();
+            let params: Vec<&str> = params.iter().map(|name| &**name).collect();
             if params.contains(&name.as_str()) {
                 continue;
             }

@@ -4,6 +4,7 @@ use crate::Options;
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
+use crate::ranges::{NOT_NEGATIVE, POSITIVE, Range};
 use crate::value::{Callable, Env, Module, Number, Value};
 use glam::DVec3;
 use sdf_ir::{Binary, Constant, Role, Ternary, Type, Unary, Uniform};
@@ -24,9 +25,41 @@ const RIM: &[&str] = &["color", "power"];
 const RENDER: &[&str] =
     &["tolerance", "steps", "far", "normals", "relax", "bounces", "antialias", "tonemap", "quality"];
 
+/// The blocks that have one record of fields, by their words.
+pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
+    ("camera", CAMERA),
+    ("light", LIGHT),
+    ("ambient", AMBIENT),
+    ("sky", SKY),
+    ("fog", FOG),
+    ("rim", RIM),
+    ("render", RENDER),
+];
+
+/// The values that settings may have.
+const FIELD_OF_VIEW: Range = Range {
+    accepts: |x| x > 0.0 && x < std::f64::consts::PI,
+    words: "more than 0 and less than 180deg; without a unit it is in radians",
+};
+const SOFTNESS: Range = Range { accepts: |x| x > 0.0, words: "more than 0; 2 is very soft, 32 nearly hard" };
+const TOLERANCE: Range = Range { accepts: |x| (1e-4..=100.0).contains(&x), words: "0.0001 to 100 pixels" };
+const STEPS: Range = Range {
+    accepts: |x| (1.0..=4096.0).contains(&x) && x.fract() == 0.0,
+    words: "a whole number from 1 to 4096",
+};
+const FAR: Range = Range { accepts: |x| (1e-6..=1e18).contains(&x), words: "1e-6 to 1e18" };
+const ANTIALIAS: Range =
+    Range { accepts: |x| (1.0..=8.0).contains(&x) && x.fract() == 0.0, words: "a whole number from 1 to 8" };
+const BOUNCES: Range = Range {
+    accepts: |x| (0.0..=16.0).contains(&x) && x.fract() == 0.0,
+    words: "a whole number from 0 to 16",
+};
+
 /// The fields of one block that a file sets.
 struct Block<'t> {
     fields: HashMap<&'static str, &'t Expr>,
+    /// Whether it has fields that do not exist: what seems to be absent may be one of them.
+    has_unknown: bool,
 }
 
 /// How a light casts shadows.
@@ -45,17 +78,19 @@ impl<'t> Elaborator<'t> {
         }
         match blocks.first() {
             Some((record, _)) => self.fields(record, name, all),
-            None => Block { fields: HashMap::new() },
+            None => Block { fields: HashMap::new(), has_unknown: false },
         }
     }
 
     fn fields(&mut self, record: &'t Record, name: &str, all: &'static [&'static str]) -> Block<'t> {
         let mut fields: HashMap<&'static str, &'t Expr> = HashMap::new();
         let mut first: HashMap<&'static str, &'t Name> = HashMap::new();
+        let mut has_unknown = false;
         for field in &record.fields {
             let Some(known) = all.iter().find(|a| **a == &*field.name.text) else {
                 let similar = sdf_syntax::did_you_mean(&field.name.text, all.iter().copied());
                 self.diagnostics.push(errors::unknown_setting(&field.name, name, similar, all));
+                has_unknown = true;
                 continue;
             };
             if let Some(before) = first.insert(known, &field.name) {
@@ -64,7 +99,7 @@ impl<'t> Elaborator<'t> {
             }
             fields.insert(known, &field.value);
         }
-        Block { fields }
+        Block { fields, has_unknown }
     }
 
     /// The value of a field as a number, or its default.
@@ -73,29 +108,33 @@ impl<'t> Elaborator<'t> {
         match block.fields.get(name) {
             None => Ok(Number::constant(default).named(&name_arc)),
             Some(expr) => {
-                let value = self.eval(expr, &Env::new(Module::User))?;
+                let value = self.eval(expr, &Env::new(Module::ROOT))?;
                 Ok(self.as_typed(value, default.ty(), expr.span)?.named(&name_arc))
             }
         }
     }
 
-    /// The value of a field as a float that is known now and lies in a range.
-    fn static_setting(
+    /// The same with the values that it may have.
+    fn ranged_setting(
         &mut self,
         block: &Block<'t>,
         name: &str,
-        default: f64,
-        range: (f64, f64),
-    ) -> Eval<f64> {
-        let Some(expr) = block.fields.get(name) else { return Ok(default) };
-        let x = self.static_float(expr, &Env::new(Module::User), &format!("`{name}`"))?;
-        if x < range.0 || x > range.1 {
-            return self.report(errors::out_of_range(
-                expr.span,
-                &format!("`{name}`"),
-                &format!("{} to {}", range.0, range.1),
-            ));
+        default: Constant,
+        range: Range,
+    ) -> Eval<Number> {
+        let number = self.number_setting(block, name, default)?;
+        if let Some(expr) = block.fields.get(name) {
+            self.check_range(&number, expr.span, &format!("`{name}`"), range)?;
         }
+        Ok(number)
+    }
+
+    /// The value of a field as a float that is known now and lies in a range.
+    fn static_setting(&mut self, block: &Block<'t>, name: &str, default: f64, range: Range) -> Eval<f64> {
+        let Some(expr) = block.fields.get(name) else { return Ok(default) };
+        let what = format!("`{name}`");
+        let x = self.static_float(expr, &Env::new(Module::ROOT), &what)?;
+        self.check_range(&Number::float(x), expr.span, &what, range)?;
         Ok(x)
     }
 
@@ -107,11 +146,11 @@ impl<'t> Elaborator<'t> {
         {
             return Ok(known);
         }
-        self.report(errors::wrong_setting(
-            expr.span,
-            format!("`{name}` does not take this value"),
-            format!("write one of {}", words.join(", ")),
-        ))
+        let similar = match &expr.kind {
+            ExprKind::Name(word) => sdf_syntax::did_you_mean(word, words.iter().copied()),
+            _ => None,
+        };
+        self.report(errors::wrong_word(expr.span, name, similar, words))
     }
 
     /// An effect that nothing draws yet must not be called for.
@@ -145,17 +184,15 @@ impl<'t> Elaborator<'t> {
         let unbuilt = self.unbuilt_camera(&block);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
-        let fov = self.number_setting(&block, "fov", Constant::Float(FRAC_PI_4));
-        let (mut target, up, fov) = (target?, up?, fov?);
-        if let Some(Constant::Float(x)) = fov.known()
-            && !(x > 0.0 && x < PI)
-        {
-            let span = block.fields.get("fov").map_or(Span::default(), |e| e.span);
-            return self.report(errors::out_of_range(span, "`fov`", "more than 0 and less than 180deg"));
-        }
-        unbuilt?;
+        let fov = self.ranged_setting(&block, "fov", Constant::Float(FRAC_PI_4), FIELD_OF_VIEW);
         let eye = match block.fields.get("eye") {
-            Some(_) => self.number_setting(&block, "eye", Constant::Vec3([0.0; 3]))?,
+            Some(_) => Some(self.number_setting(&block, "eye", Constant::Vec3([0.0; 3]))),
+            None => None,
+        };
+        let (mut target, up, fov, eye) = (target?, up?, fov?, eye.transpose()?);
+        unbuilt?;
+        let eye = match eye {
+            Some(eye) => eye,
             None => {
                 let (eye, center) = self.frame_scene(block.fields.contains_key("target"), &target, &fov)?;
                 target = center;
@@ -197,7 +234,7 @@ impl<'t> Elaborator<'t> {
         let asked = match block.fields.get("orbit") {
             None => Number::constant(Constant::Bool(false)),
             Some(expr) => {
-                let value = self.eval(expr, &Env::new(Module::User))?;
+                let value = self.eval(expr, &Env::new(Module::ROOT))?;
                 self.as_typed(value, Type::Bool, expr.span)?
             }
         };
@@ -285,6 +322,7 @@ impl<'t> Elaborator<'t> {
                     "keep `direction` for a sun, `position` for a lamp",
                 ));
             }
+            (None, None) if block.has_unknown => return Err(Reported),
             (None, None) => {
                 return self.report(errors::wrong_setting(
                     name.span,
@@ -331,37 +369,33 @@ impl<'t> Elaborator<'t> {
                     && let PostfixKind::Call(arguments) = &only.kind
                     && let [argument] = &arguments[..]
                 {
-                    let value = self.eval(&argument.value, &Env::new(Module::User))?;
+                    let value = self.eval(&argument.value, &Env::new(Module::ROOT))?;
                     let k = self.as_typed(value, Type::Float, argument.value.span)?;
-                    if matches!(k.known(), Some(Constant::Float(k)) if k <= 0.0) {
-                        return self.report(errors::out_of_range(
-                            argument.value.span,
-                            "the softness of a shadow",
-                            "more than 0; 2 is very soft, 32 nearly hard",
-                        ));
-                    }
+                    self.check_range(&k, argument.value.span, "the softness of a shadow", SOFTNESS)?;
                     return Ok(Shadow::Soft(k));
                 }
             }
             _ => {}
         }
-        self.report(errors::wrong_setting(
-            expr.span,
-            "`shadow` does not take this value",
-            "write `none`, `hard` or `soft(k)`, for example `soft(8)`",
-        ))
+        let word = match &expr.kind {
+            ExprKind::Postfix { base, .. } => &base.kind,
+            kind => kind,
+        };
+        let similar = match word {
+            ExprKind::Name(word) => sdf_syntax::did_you_mean(word, ["none", "hard", "soft"]),
+            _ => None,
+        };
+        let similar = similar.map(|word| if word == "soft" { "soft(8)" } else { word });
+        let words = ["`none`", "`hard`", "`soft(k)`, for example `soft(8)`"];
+        self.report(errors::wrong_word(expr.span, "shadow", similar, &words))
     }
 
     fn ambient(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Ambient, "ambient", AMBIENT);
         let color = self.number_setting(&block, "color", Constant::Vec3([0.1; 3]));
-        let occlusion = self.number_setting(&block, "occlusion", Constant::Float(0.0));
-        let radius = self.number_setting(&block, "radius", Constant::Float(0.5));
+        let occlusion = self.ranged_setting(&block, "occlusion", Constant::Float(0.0), NOT_NEGATIVE);
+        let radius = self.ranged_setting(&block, "radius", Constant::Float(0.5), POSITIVE);
         let (color, occlusion, radius) = (color?, occlusion?, radius?);
-        if matches!(radius.known(), Some(Constant::Float(r)) if r <= 0.0) {
-            let span = block.fields.get("radius").map_or(Span::default(), |e| e.span);
-            return self.report(errors::out_of_range(span, "`radius`", "more than 0"));
-        }
         let called = occlusion.known() != Some(Constant::Float(0.0))
             && color.known() != Some(Constant::Vec3([0.0; 3]));
         let color = Number { name: Some(Arc::from("ambient_color")), ..color };
@@ -376,6 +410,7 @@ impl<'t> Elaborator<'t> {
     /// The sky as a function of the ray's direction.
     fn sky(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Sky, "sky", SKY);
+        self.check_sky(&block)?;
         let get = |name: &str| block.fields.get(name).copied();
         match (get("color"), get("horizon"), get("zenith")) {
             (Some(color), None, None) => Ok(sky_function(color, None)),
@@ -391,6 +426,7 @@ impl<'t> Elaborator<'t> {
                 "the sky has a color and a gradient",
                 "give it `color`, or `horizon` and `zenith`",
             )),
+            (None, Some(_), None) | (None, None, Some(_)) if block.has_unknown => Err(Reported),
             (None, Some(one), None) | (None, None, Some(one)) => self.report(errors::wrong_setting(
                 one.span,
                 "a gradient of the sky needs two colours",
@@ -399,30 +435,48 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// Finds what is wrong in the sky's colours, whether a ray ever meets them or not.
+    fn check_sky(&mut self, block: &Block<'t>) -> Eval<()> {
+        self.contexts.open(&Arc::from("sky"), None);
+        let direction = self.contexts.entry_parameter("p", Type::Vec3);
+        let env = Env::new(Module::ROOT).bind(Arc::from("p"), Value::Number(direction));
+        let mut done = Ok(());
+        for name in SKY {
+            let Some(expr) = block.fields.get(name) else { continue };
+            let color = self.eval(expr, &env).and_then(|v| self.as_typed(v, Type::Vec3, expr.span));
+            done = color.map(|_| ()).and(done);
+        }
+        self.contexts.discard();
+        done
+    }
+
     /// Blocks that are part of the language and that nothing draws yet.
     fn unbuilt_effects(&mut self) -> Eval<()> {
-        let fog = self.unbuilt_effect(SettingsKind::Fog, FOG, "density", Constant::Float(0.0), "fog");
-        let none = Constant::Vec3([0.0; 3]);
-        let rim = self.unbuilt_effect(SettingsKind::Rim, RIM, "color", none, "rim light");
+        let fog = self.fog();
+        let rim = self.rim();
         fog.and(rim)
     }
 
-    /// An effect that a block calls for if `field` is not `nothing`.
-    fn unbuilt_effect(
-        &mut self,
-        kind: SettingsKind,
-        all: &'static [&'static str],
-        field: &str,
-        nothing: Constant,
-        what: &str,
-    ) -> Eval<()> {
-        let name = if kind == SettingsKind::Fog { "fog" } else { "rim" };
-        let block = self.settings_block(kind, name, all);
-        let value = self.number_setting(&block, field, nothing)?;
-        if value.known() == Some(nothing) {
-            return Ok(());
+    fn fog(&mut self) -> Eval<()> {
+        let block = self.settings_block(SettingsKind::Fog, "fog", FOG);
+        let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
+        let density = self.ranged_setting(&block, "density", Constant::Float(0.0), NOT_NEGATIVE);
+        let (_, density) = (color?, density?);
+        match density.known() {
+            Some(Constant::Float(0.0)) => Ok(()),
+            _ => self.refuse(&block, "density", "fog", "leave the block out for now"),
         }
-        self.refuse(&block, field, what, "leave the block out for now")
+    }
+
+    fn rim(&mut self) -> Eval<()> {
+        let block = self.settings_block(SettingsKind::Rim, "rim", RIM);
+        let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
+        let power = self.ranged_setting(&block, "power", Constant::Float(3.0), POSITIVE);
+        let (color, _) = (color?, power?);
+        match color.known() {
+            Some(Constant::Vec3([0.0, 0.0, 0.0])) => Ok(()),
+            _ => self.refuse(&block, "color", "rim light", "leave the block out for now"),
+        }
     }
 
     /// A setting that the emitted text keeps as a constant with a name, for a reader to change.
@@ -434,19 +488,20 @@ impl<'t> Elaborator<'t> {
     fn render_settings(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Render, "render", RENDER);
         // All are looked at before the first mistake ends it, so that all mistakes are reported.
-        let tolerance = self.static_setting(&block, "tolerance", 0.1, (1e-4, 100.0));
-        let steps = self.static_setting(&block, "steps", 256.0, (1.0, 4096.0));
+        let tolerance = self.static_setting(&block, "tolerance", 0.1, TOLERANCE);
+        let steps = self.static_setting(&block, "steps", 256.0, STEPS);
         // A camera that frames a large scene stands far away from it.
         let default_far = self.framed.map_or(100.0, |reach| reach.max(100.0));
-        let far = self.static_setting(&block, "far", default_far, (1e-6, 1e18));
+        let far = self.static_setting(&block, "far", default_far, FAR);
         let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"]);
         let relax = self.word_setting(&block, "relax", &["auto", "none"]);
         let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"]);
-        let antialias = self.static_setting(&block, "antialias", 1.0, (1.0, 8.0));
-        let bounces = self.static_setting(&block, "bounces", 2.0, (0.0, 16.0));
+        let antialias = self.static_setting(&block, "antialias", 1.0, ANTIALIAS);
+        let bounces = self.static_setting(&block, "bounces", 2.0, BOUNCES);
+        let quality = self.word_setting(&block, "quality", &["draft", "balanced", "fine", "exact"]);
         let (tolerance, steps, far, normals) = (tolerance?, steps?, far?, normals?);
         let (relax, tonemap, antialias) = (relax?, tonemap?, antialias?);
-        bounces?;
+        let (_, _) = (bounces?, quality?);
         if normals != "exact" {
             self.refuse(&block, "normals", "this kind of normals", "use `exact`, which costs least")?;
         }
@@ -462,7 +517,6 @@ impl<'t> Elaborator<'t> {
             )?;
         }
         self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
-        let steps = steps.round();
         Ok(Value::record(vec![
             (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
             (Arc::from("steps"), Value::float(steps)),
@@ -514,7 +568,7 @@ fn sky_function<'t>(low: &'t Expr, high: Option<&'t Expr>) -> Value<'t> {
             Some(Value::Number(n)) => n,
             _ => unreachable!("the renderer asks with a direction"),
         };
-        let env = Env::new(Module::User).bind(Arc::from("p"), Value::Number(direction.clone()));
+        let env = Env::new(Module::ROOT).bind(Arc::from("p"), Value::Number(direction.clone()));
         let low_value = e.eval(low, &env)?;
         let low_color = e.as_typed(low_value, Type::Vec3, low.span)?;
         let Some(high) = high else { return Ok(Value::Number(low_color)) };

@@ -177,7 +177,7 @@ impl<'t> Elaborator<'t> {
     /// What stands in the function of a named shape: its field, without a second function for a primitive.
     fn body_of_named(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
         match &shape.kind {
-            ShapeKind::Field { block, env, origin: Some(origin) } if origin.module == Module::User => {
+            ShapeKind::Field { block, env, origin: Some(origin) } if origin.module.is_user() => {
                 self.field_value(block, env, point)
             }
             ShapeKind::Painted { shape, .. } => self.body_of_named(shape, point, span),
@@ -267,7 +267,7 @@ impl<'t> Elaborator<'t> {
 /// A primitive of the library is `sd_name`; one of the user keeps its name.
 fn function_name(origin: &Origin<'_>) -> Arc<str> {
     match origin.module {
-        Module::User => origin.function.name.text.clone(),
+        Module::User(_) => origin.function.name.text.clone(),
         Module::Library | Module::Runtime => Arc::from(format!("sd_{}", origin.function.name.text)),
     }
 }

@@ -7,6 +7,7 @@
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
+use crate::ranges::{AT_LEAST_ONE, NOT_NEGATIVE, POSITIVE, Range, SHARE};
 use crate::signs::Signs;
 use crate::value::{Env, Material, Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Builder, Constant, Node, Ternary, Type, Unary};
@@ -73,6 +74,17 @@ impl Column {
             Column::GlowRadius => Constant::Float(0.25),
             Column::Reflect | Column::Transmit => Constant::Float(0.0),
             Column::Ior => Constant::Float(1.5),
+        }
+    }
+
+    /// The values that it may have, if not all.
+    fn range(self) -> Option<Range> {
+        match self {
+            Column::Specular => Some(NOT_NEGATIVE),
+            Column::Shininess | Column::GlowRadius => Some(POSITIVE),
+            Column::Reflect | Column::Transmit => Some(SHARE),
+            Column::Ior => Some(AT_LEAST_ONE),
+            Column::Color | Column::Emission | Column::Glow => None,
         }
     }
 
@@ -464,6 +476,27 @@ impl<'t> Elaborator<'t> {
             .collect())
     }
 
+    /// Finds what is wrong in a material, painted or not.
+    pub fn check_material(&mut self, material: &Material<'t>) -> Eval<()> {
+        let Material::Record { record, env } = material else { return Ok(()) };
+        self.contexts.open(&Arc::from("material"), None);
+        let point = self.contexts.entry_parameter("p", Type::Vec3);
+        let normal = self.contexts.entry_parameter("n", Type::Vec3);
+        let env = env.bind(Arc::from("p"), Value::Number(point)).bind(Arc::from("n"), Value::Number(normal));
+        let mut seen: Vec<&sdf_syntax::tree::Name> = Vec::new();
+        let mut done = Ok(());
+        for field in &record.fields {
+            if let Some(first) = seen.iter().find(|name| name.text == field.name.text) {
+                done = self.report(errors::setting_twice(&field.name, first.span));
+                continue;
+            }
+            seen.push(&field.name);
+            done = self.property(field, &env).map(|_| ()).and(done);
+        }
+        self.contexts.discard();
+        done
+    }
+
     fn property(&mut self, field: &'t sdf_syntax::tree::Field, env: &Env<'t>) -> Eval<(Column, Number)> {
         let all: Vec<&str> = Column::ALL.iter().map(|c| c.name()).collect();
         let Some(column) = Column::ALL.into_iter().find(|c| c.name() == &*field.name.text) else {
@@ -472,6 +505,9 @@ impl<'t> Elaborator<'t> {
         };
         let value = self.eval(&field.value, env)?;
         let number = self.as_typed(value, column.default().ty(), field.value.span)?;
+        if let Some(range) = column.range() {
+            self.check_range(&number, field.value.span, &format!("`{}`", column.name()), range)?;
+        }
         if !column.is_built() && number.known() != Some(column.default()) {
             let what = format!("`{}` of a material", column.name());
             return self.report(errors::not_built_yet(field.name.span, &what, "leave it out for now"));

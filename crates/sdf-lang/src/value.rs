@@ -285,8 +285,18 @@ pub(crate) enum Module {
     Library,
     /// The renderer: itself and the library.
     Runtime,
-    /// The user's file: itself and the library.
-    User,
+    /// A file of the user's: itself, what it imports, and the library. The root file has number 0.
+    User(u16),
+}
+
+impl Module {
+    /// The file that is compiled.
+    pub const ROOT: Module = Module::User(0);
+
+    /// Whether it is a file of the user's.
+    pub fn is_user(self) -> bool {
+        matches!(self, Module::User(_))
+    }
 }
 
 /// The variables round an expression: a chain from the innermost outwards, then a module's items.

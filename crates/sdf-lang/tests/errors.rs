@@ -1,26 +1,32 @@
 //! Scenes with mistakes, and what is said of them. A fixture is a scene, the line `// expect`, and the diagnostics
-//! as comments. `UPDATE_FIXTURES=1 cargo test` writes the expectations anew.
+//! as comments. Files that it imports stand after lines `// file NAME`. `UPDATE_FIXTURES=1 cargo test` writes the expectations anew.
 
-use sdf_lang::{Compilation, Options, compile};
+use sdf_lang::{Compilation, Imports, Options, Texts, compile};
 use sdf_syntax::{Code, Diagnostic};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const MARK: &str = "// expect\n";
 
-/// The fixtures, in the order of their names.
+/// The fixtures, in the order of their names: those in `errors` make no scene, those in `warnings` do.
 fn fixtures() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/errors");
-    let mut paths: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let entries =
+        |name: &str| std::fs::read_dir(folder.join(name)).unwrap().map(|entry| entry.unwrap().path());
+    let mut paths: Vec<PathBuf> = entries("errors").chain(entries("warnings")).collect();
     paths.sort();
     assert!(!paths.is_empty());
     paths
 }
 
 fn compiled(source: &str) -> Compilation {
-    compile("fixture", source, &Options::default())
+    let mut parts = source.split("// file ");
+    let root = parts.next().unwrap_or_default();
+    let files = parts.filter_map(|part| part.split_once('\n'));
+    let texts = Texts(files.map(|(name, text)| (name.to_string(), text.to_string())).collect());
+    compile("fixture", root, &Options { imports: Imports::from(Arc::new(texts)), ..Options::default() })
 }
 
 /// Diagnostics as a fixture shows them: code, line and column, the text at that place, message, and the rest.
@@ -38,7 +44,9 @@ fn describe(compilation: &Compilation) -> String {
         }
         for related in &d.related {
             let (line, column) = compilation.sources.line_column(related.span.file, related.span.start);
-            writeln!(out, "  at {line}:{column}: {}", related.text).unwrap();
+            let file = &compilation.sources.get(related.span.file).unwrap().name;
+            let file = if file == "fixture" { String::new() } else { format!("{file}:") };
+            writeln!(out, "  at {file}{line}:{column}: {}", related.text).unwrap();
         }
         if let Some(help) = &d.help {
             writeln!(out, "  help: {help}").unwrap();
@@ -58,12 +66,13 @@ fn errors() {
             .lines()
             .map(|line| format!("// {line}").trim_end().to_string() + "\n")
             .collect();
-        if std::env::var_os("UPDATE_FIXTURES").is_some() {
+        if actual != expected && std::env::var_os("UPDATE_FIXTURES").is_some() {
             std::fs::write(&path, format!("{source}{MARK}{actual}")).unwrap();
         } else if actual != expected {
             failed.push(format!("{}\n--- expected\n{expected}--- actual\n{actual}", path.display()));
         }
-        assert!(compilation.scene.is_none(), "{}", path.display());
+        let has_scene = path.parent().unwrap().ends_with("warnings");
+        assert_eq!(compilation.scene.is_some(), has_scene, "{}", path.display());
     }
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
@@ -76,7 +85,8 @@ fn messages_have_one_manner() {
         assert!(begins_well && !text.ends_with('.'), "{}: {text:?}", d.code);
     };
     for path in fixtures() {
-        for d in compiled(&std::fs::read_to_string(path).unwrap()).diagnostics {
+        let text = std::fs::read_to_string(path).unwrap();
+        for d in compiled(text.split(MARK).next().unwrap_or_default()).diagnostics {
             check(&d, &d.message);
             check(&d, &d.label);
             check(&d, d.help.as_deref().unwrap_or_default());
@@ -97,5 +107,6 @@ fn every_code_has_a_fixture() {
     // Values of params, shaders and costs need a command, whose own tests have them.
     let of_the_command = [Code::E065, Code::E070, Code::W001];
     let ours = Code::ALL.iter().filter(|code| !of_the_text(**code) && !of_the_command.contains(code));
-    assert_eq!(seen, ours.copied().collect());
+    let missing: Vec<_> = ours.filter(|code| !seen.contains(code)).collect();
+    assert!(missing.is_empty(), "without a fixture: {missing:?}");
 }

@@ -50,6 +50,8 @@ codes! {
     E021 "a name defined twice"
     E022 "definitions that need each other"
     E023 "a reserved word as a name"
+    E024 "an import that cannot be followed"
+    E025 "a name that two imports bring"
     // Types and calls.
     E030 "a value of the wrong type"
     E031 "an operator that does not take these values"
@@ -79,6 +81,8 @@ codes! {
     // The emitted text.
     E070 "a shader that the validator refuses"
     W001 "a scene that costs more than a shader can spend"
+    W002 "a param that can break what is required"
+    W003 "an angle that looks like degrees"
 }
 
 impl Code {

@@ -140,25 +140,11 @@ fn fields(record: &Record) -> impl Iterator<Item = Node> {
 
 fn parameter(parameter: &Parameter) -> Node {
     let dots = if parameter.variadic { "..." } else { "" };
-    let ty = parameter.ty.map_or(String::new(), |ty| format!(":{}", type_word(ty.kind)));
+    let ty = parameter.ty.map_or(String::new(), |ty| format!(":{}", ty.kind.word()));
     let name = format!("{}{dots}{ty}", parameter.name.text);
     match &parameter.default {
         Some(default) => named(&name, [word("="), expr(default)]),
         None => word(name),
-    }
-}
-
-fn type_word(kind: TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Float => "float",
-        TypeKind::Vec2 => "vec2",
-        TypeKind::Vec3 => "vec3",
-        TypeKind::Bool => "bool",
-        TypeKind::Shape => "shape",
-        TypeKind::Shape2 => "shape2",
-        TypeKind::Material => "material",
-        TypeKind::List => "list",
-        TypeKind::Fn => "fn",
     }
 }
 

@@ -56,3 +56,39 @@ pub fn foreign_name(name: &str) -> Option<&'static str> {
         _ => return None,
     })
 }
+
+/// What the language calls a setting of other tools, as a hint; `None` for a name that is not known from elsewhere.
+pub fn foreign_setting(block: &str, name: &str) -> Option<&'static str> {
+    let plain = name.replace('_', "").to_lowercase();
+    Some(match (block, plain.as_str()) {
+        ("camera", "position" | "pos" | "from" | "origin" | "location") => "the camera's place is `eye`",
+        ("camera", "lookat" | "look" | "to" | "center" | "focus" | "at") => "what it looks at is `target`",
+        ("camera", "angle" | "zoom" | "fieldofview" | "focallength") => "the angle of view is `fov`",
+        ("camera", "rotate" | "orbiting" | "mouse") => "`orbit: true` lets the mouse turn it",
+        ("light", "dir") => "write `direction`, towards the light",
+        ("light", "pos" | "location") => "write `position`",
+        ("light", "brightness" | "strength" | "power" | "energy") => "its strength is `intensity`",
+        ("light", "shadows" | "softness" | "castshadow" | "castshadows") => {
+            "write `shadow: hard` or `shadow: soft(8)`"
+        }
+        ("ambient", "ao" | "ambientocclusion") => "write `occlusion: 1`",
+        ("sky" | "fog" | "rim" | "ambient", "background" | "colour") => "write `color`",
+        ("rim", "strength" | "intensity") => "its strength is its `color`",
+        ("material", "albedo" | "diffuse" | "basecolor" | "rgb") => "the colour is `color`",
+        ("material", "roughness" | "gloss" | "glossiness" | "smoothness") => {
+            "how sharp its highlight is says `shininess`: 8 is rough, 200 polished"
+        }
+        ("material", "metallic" | "metalness" | "metal") => {
+            "write `specular` for highlights, `reflect` for mirrors"
+        }
+        ("material", "emissive" | "emit") => "light of its own is `emission`",
+        ("material", "mirror" | "reflectivity" | "reflectance") => "write `reflect`",
+        ("material", "opacity" | "alpha" | "transparency" | "transparent") => "write `transmit`",
+        ("render", "maxsteps" | "iterations" | "marchsteps") => "write `steps`",
+        ("render", "epsilon" | "eps" | "precision" | "threshold") => "write `tolerance`, in pixels",
+        ("render", "maxdist" | "maxdistance" | "distance") => "write `far`",
+        ("render", "aa" | "samples" | "msaa") => "write `antialias`",
+        ("render", "reflections" | "maxbounces" | "depth") => "write `bounces`",
+        _ => return None,
+    })
+}

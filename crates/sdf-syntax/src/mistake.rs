@@ -6,6 +6,7 @@ use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::outline::ITEM_WORDS;
 use crate::span::Span;
 use crate::token::{RESERVED, Spanned, Token};
+use crate::tree::TypeKind;
 use chumsky::DefaultExpected;
 use chumsky::error::Error;
 use chumsky::input::Input;
@@ -242,9 +243,13 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
         Token::Semicolon if expected.has(Expected::CloseBrace) && around.next == Some(Token::CloseBrace) => {
             return Some(semicolon_after_value(span));
         }
+        Token::Minus if around.next == Some(Token::Greater) && expected.has(Expected::OpenBrace) => {
+            return Some(no_result_type(span));
+        }
+        Token::OpenParen if matches!(last, Some(Token::Field | Token::Field2)) => {
+            return Some(field_without_parameters(span));
+        }
         Token::Text(_) if !expected.has(Expected::Text) => return Some(text_elsewhere(span)),
-        Token::Name(written) if expected.has(Expected::Type) => return Some(unknown_type(span, written)),
-        Token::Name(_) if last.is_some_and(is_foreign_type) => return Some(let_not_type(last_span.to(span))),
         Token::Name(written) if expected.has(Expected::Item) => {
             return Some(unknown_item(span, written, around));
         }
@@ -260,25 +265,13 @@ fn known_mistake(around: &Around, expected: Expectations) -> Option<Diagnostic> 
     None
 }
 
-fn is_foreign_type(token: Token) -> bool {
-    matches!(
-        token,
-        Token::Name(
-            "float"
-                | "int"
-                | "bool"
-                | "vec2"
-                | "vec3"
-                | "vec4"
-                | "mat2"
-                | "mat3"
-                | "mat4"
-                | "const"
-                | "var"
-                | "auto"
-                | "f32"
-        )
-    )
+/// Whether other languages begin a binding with this word.
+pub(crate) fn instead_of_let(token: Token) -> bool {
+    const WORDS: [&str; 18] = [
+        "float", "int", "uint", "double", "bool", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const",
+        "var", "auto", "f32", "def", "define", "set",
+    ];
+    matches!(token, Token::Name(word) if WORDS.contains(&word))
 }
 
 /// The found token as a message names it.
@@ -381,8 +374,29 @@ pub(crate) fn positional_after_named(span: Span) -> Diagnostic {
         .help("put it first, or give it its name")
 }
 
+pub(crate) fn second_variadic(span: Span, name: &str) -> Diagnostic {
+    let message = format!("`{}...` is the second parameter that takes any number", shorten(name));
+    Diagnostic::new(Code::E007, span, message)
+        .help("leave the `...` out here, and pass a list: `name: [a, b]`")
+}
+
 fn no_ternary(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E008, span, "there is no `?:`").help("write `if c { a } else { b }`")
+}
+
+fn no_result_type(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E008, span, "a function does not state what it gives")
+        .help("leave out the `->` and the type: `fn f(a: vec3) { … }`")
+}
+
+fn field_without_parameters(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E007, span, "a field has no parameters")
+        .help("write `field { … }`; the point is called `p`")
+}
+
+pub(crate) fn range_before_default(span: Span) -> Diagnostic {
+    Diagnostic::new(Code::E007, span, "the range of a param stands after its default")
+        .help("write for example `param a = 0.5 in 0..1`")
 }
 
 fn no_power(span: Span) -> Diagnostic {
@@ -425,8 +439,13 @@ fn let_missing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E007, span, "a binding begins with `let`").help("write `let` before the name")
 }
 
-fn let_not_type(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E008, span, "a binding does not state its type").help("write `let name = value`")
+/// `float x = 1` and its like; `word` stands where `let` should.
+pub(crate) fn let_not_type(span: Span, word: Token) -> Diagnostic {
+    let message = match word {
+        Token::Name("const" | "var" | "auto" | "def" | "define" | "set") => "a binding begins with `let`",
+        _ => "a binding does not state its type",
+    };
+    Diagnostic::new(Code::E008, span, message).help("write `let name = value`")
 }
 
 fn record_in_braces(span: Span) -> Diagnostic {
@@ -439,6 +458,7 @@ fn semicolon_after_value(span: Span) -> Diagnostic {
 
 fn text_elsewhere(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E007, span, "texts stand only in `import` and in attributes")
+        .help("names have no quotes: `s.paint(gold)`")
 }
 
 fn comma_missing(between: Span, found: Span) -> Diagnostic {
@@ -460,14 +480,12 @@ fn item_inside(span: Span, found: Token) -> Diagnostic {
 /// Where to put what is no item.
 const SHAPES_STAND: &str = "shapes stand in `scene { … }`, values in `let name = …`";
 
-/// The types as a parameter states them.
-const TYPES: [&str; 9] = ["float", "vec2", "vec3", "bool", "shape", "shape2", "material", "list", "fn"];
-
-fn unknown_type(span: Span, written: &str) -> Diagnostic {
+pub(crate) fn unknown_type(span: Span, written: &str) -> Diagnostic {
+    let types = TypeKind::ALL.map(TypeKind::word);
     let diagnostic = Diagnostic::new(Code::E007, span, format!("`{}` is no type", shorten(written)));
-    match did_you_mean(&shorten(written), TYPES) {
+    match did_you_mean(&shorten(written), types) {
         Some(name) => diagnostic.help(format!("did you mean `{name}`?")),
-        None => diagnostic.help(format!("the types are {}", TYPES.join(", "))),
+        None => diagnostic.help(format!("the types are {}", types.join(", "))),
     }
 }
 
@@ -475,7 +493,7 @@ fn unknown_item(span: Span, written: &str, around: &Around) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::E007, span, format!("expected an item, found `{}`", shorten(written)));
     let replacement = match written {
-        "const" | "var" | "float" | "vec2" | "vec3" | "def" | "define" | "set" => Some("let"),
+        _ if instead_of_let(Token::Name(written)) => Some("let"),
         "function" | "func" | "fun" | "void" => Some("fn"),
         "uniform" => Some("param"),
         "include" | "use" => Some("import"),

@@ -172,7 +172,7 @@ impl<'t> Walk<'_, 't> {
                     !matches!(next, Some(Token::Assign | Token::OpenParen | Token::Colon))
                 }
                 Some(Token::Dot) => first,
-                Some(Token::Colon) => !inside,
+                Some(Token::Colon) => !inside && !self.level.in_parameters,
                 _ => true,
             },
             Token::Name(name) => {

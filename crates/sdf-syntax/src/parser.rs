@@ -10,7 +10,7 @@ use crate::mistake::{self, Expected, Mistake};
 use crate::span::Span;
 use crate::token::{Spanned, Token};
 use crate::tree::*;
-use chumsky::input::MappedInput;
+use chumsky::input::{Emitter, MappedInput};
 use chumsky::prelude::*;
 use std::iter::Peekable;
 use std::sync::Arc;
@@ -76,20 +76,37 @@ fn import<'t>() -> Rule<'t, ItemKind> {
 fn param<'t>(expr: Rule<'t, Expr>) -> Rule<'t, ItemKind> {
     let bound = sum(expr.clone()).recover_with(via_parser(error(&[])));
     let range = just(Token::In).ignore_then(bound.clone()).then_ignore(just(Token::DotDot)).then(bound);
+    let swapped = range.clone().map_with(|range, e| (range, e.span())).then_ignore(just(Token::Assign));
+    let swapped = swapped.then(expr.clone()).validate(|((range, span), default), _, emitter| {
+        emitter.emit(mistake::range_before_default(span).into());
+        (default, Some(range))
+    });
     just(Token::Param)
         .ignore_then(name())
-        .then(assigned(expr, &[Token::In]))
-        .then(range.or_not())
-        .map(|((name, default), range)| ItemKind::Param { name, default, range })
+        .then(swapped.or(assigned(expr, &[Token::In]).then(range.or_not())))
+        .map(|(name, (default, range))| ItemKind::Param { name, default, range })
         .boxed()
 }
 
 /// `let = "let" ID "=" expr`
 fn binding<'t>(expr: Rule<'t, Expr>, stops: &'static [Token<'static>]) -> Rule<'t, Binding> {
     just(Token::Let)
+        .ignored()
+        .or(instead_of_let())
         .ignore_then(name())
         .then(assigned(expr, stops))
         .map(|(name, value)| Binding { name, value })
+        .boxed()
+}
+
+/// What other languages write instead of `let`, as in `float x = 1`: reported, and read on as if it were one.
+fn instead_of_let<'t>() -> Rule<'t, ()> {
+    let named = any().filter(|token: &Token| matches!(token, Token::Name(_)));
+    any()
+        .filter(|token: &Token| mistake::instead_of_let(*token))
+        .then_ignore(named.then(just(Token::Assign)).rewind())
+        .labelled(Expected::Unsaid)
+        .validate(|token: Token, e, emitter| emitter.emit(mistake::let_not_type(e.span(), token).into()))
         .boxed()
 }
 
@@ -104,7 +121,7 @@ fn function<'t>(expr: Rule<'t, Expr>) -> Rule<'t, ItemKind> {
             .recover_with(via_parser(skip_element().to(None))),
     )
     .delimited_by(just(Token::OpenParen), just(Token::CloseParen))
-    .map(|parameters| parameters.into_iter().flatten().collect());
+    .validate(|parameters, _, emitter| one_variadic(parameters.into_iter().flatten().collect(), emitter));
     let body = just(Token::Assign)
         .ignore_then(expr.clone())
         .or(block_expr(expr))
@@ -123,24 +140,34 @@ fn parameter<'t>(default: Rule<'t, Expr>) -> Rule<'t, Option<Parameter>> {
         .then(token(Token::Ellipsis).or_not())
         .then(just(Token::Colon).ignore_then(type_name()).or_not())
         .then(just(Token::Assign).ignore_then(default).or_not())
-        .map(|(((name, dots), ty), default)| Some(Parameter { name, variadic: dots.is_some(), ty, default }))
+        .map(|(((name, dots), ty), default)| {
+            Some(Parameter { name, variadic: dots.is_some(), ty: ty.flatten(), default })
+        })
         .boxed()
 }
 
+/// Reports parameters that would never get an argument, since one before takes any number.
+fn one_variadic(parameters: Vec<Parameter>, emitter: &mut Emitter<Mistake>) -> Vec<Parameter> {
+    for second in parameters.iter().filter(|parameter| parameter.variadic).skip(1) {
+        emitter.emit(mistake::second_variadic(second.name.span, &second.name.text).into());
+    }
+    parameters
+}
+
 /// `TYPE = "float" | "vec2" | "vec3" | "bool" | "shape" | "shape2" | "material" | "list" | "fn"`
-fn type_name<'t>() -> Rule<'t, TypeName> {
+///
+/// Another name is reported, and the parameter is read on as one without a type.
+fn type_name<'t>() -> Rule<'t, Option<TypeName>> {
     let kind = select! {
-        Token::Name("float") => TypeKind::Float,
-        Token::Name("vec2") => TypeKind::Vec2,
-        Token::Name("vec3") => TypeKind::Vec3,
-        Token::Name("bool") => TypeKind::Bool,
-        Token::Name("shape") => TypeKind::Shape,
-        Token::Name("shape2") => TypeKind::Shape2,
-        Token::Name("material") => TypeKind::Material,
-        Token::Name("list") => TypeKind::List,
-        Token::Fn => TypeKind::Fn,
+        Token::Fn => Ok(TypeKind::Fn),
+        Token::Name(word) => TypeKind::ALL.into_iter().find(|kind| kind.word() == word).ok_or(word),
     };
-    kind.labelled(Expected::Type).map_with(|kind, e| TypeName { kind, span: e.span() }).boxed()
+    kind.labelled(Expected::Type)
+        .validate(|kind, e, emitter| {
+            let unknown = |word| emitter.emit(mistake::unknown_type(e.span(), word).into());
+            kind.map_err(unknown).ok().map(|kind| TypeName { kind, span: e.span() })
+        })
+        .boxed()
 }
 
 /// `material = "material" ID record`
@@ -283,10 +310,14 @@ fn operators<'t>(expr: Rule<'t, Expr>, loosest: u8) -> Rule<'t, Expr> {
             }
             let mut wrong = Vec::new();
             let whole = climb(first, &mut rest.into_iter().peekable(), loosest, &mut wrong);
+            if wrong.is_empty() {
+                return whole;
+            }
             for (op, span) in wrong {
                 emitter.emit(mistake::chained(span, op.symbol()).into());
             }
-            whole
+            // What it means is not known.
+            Expr { kind: ExprKind::Error, ..whole }
         })
         .boxed()
 }
@@ -323,7 +354,9 @@ fn climb(
 fn lambda<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     let parameters = list(parameter(sum(expr.clone())))
         .delimited_by(just(Token::Or), just(Token::Or))
-        .map(|parameters: Vec<_>| parameters.into_iter().flatten().collect());
+        .validate(|parameters: Vec<_>, _, emitter| {
+            one_variadic(parameters.into_iter().flatten().collect(), emitter)
+        });
     token(Token::OrOr)
         .to(Vec::new())
         .or(parameters)
@@ -400,6 +433,8 @@ fn arguments<'t>(expr: Rule<'t, Expr>) -> Rule<'t, (Vec<Argument>, Span)> {
 }
 
 /// `primary = NUMBER | COLOUR | "true" | "false" | ID | paren | list | block | shape | appearance | if | for`
+///
+/// `appearance = "material" record`
 fn primary<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     let literal = select! {
         Token::Number(value) => ExprKind::Number(value),
@@ -425,7 +460,7 @@ fn primary<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     .boxed()
 }
 
-/// `paren = "(" expr ")" | "(" expr,* ")" | "(" (ID ":" expr),* ")"`
+/// `paren = "(" expr ("," expr)* ","? ")" | "(" ID ":" expr ("," ID ":" expr)* ","? ")"`
 fn paren<'t>(expr: Rule<'t, Expr>) -> Rule<'t, Expr> {
     arguments(expr)
         .validate(|(mut values, span), _, emitter| {

@@ -59,6 +59,11 @@ impl Sources {
         FileId((self.files.len() - 1) as u16)
     }
 
+    /// The number that the next file will get.
+    pub fn next(&self) -> FileId {
+        FileId(self.files.len() as u16)
+    }
+
     /// The file, or `None` where `id` belongs to another compilation.
     pub fn get(&self, id: FileId) -> Option<&Source> {
         self.files.get(id.0 as usize)

@@ -400,6 +400,9 @@ fn number<'t>(lexer: &mut Lexer<'t, Token<'t>>) -> f64 {
     }
 }
 
+/// The units of angles.
+pub const UNITS: [&str; 3] = ["deg", "rad", "turn"];
+
 /// The value of a number as written, unit applied, or what is wrong with it.
 fn read_number(written: &str) -> Result<f64, fn(Span, &str) -> Diagnostic> {
     let (digits, unit) = split_unit(written);
@@ -501,12 +504,30 @@ fn block_comment<'t>(lexer: &mut Lexer<'t, Token<'t>>) -> logos::Filter<&'t str>
 fn unknown_characters(span: Span, written: &str) -> Diagnostic {
     let shown: String = written.chars().take(8).flat_map(shown_character).collect();
     let more = if written.chars().count() > 8 { "…" } else { "" };
-    let diagnostic = Diagnostic::new(Code::E002, span, format!("`{shown}{more}` has no meaning here"));
+    let message = match written.chars().next().and_then(|c| Some((c, invisible(c)?))) {
+        Some((c, (name, _))) => format!("there is {name} (U+{:04X}), which has no meaning here", c as u32),
+        None => format!("`{shown}{more}` has no meaning here"),
+    };
+    let diagnostic = Diagnostic::new(Code::E002, span, message);
     let help = match written.chars().next() {
-        Some('“' | '”' | '„' | '\'' | '‘' | '’') => {
+        Some('“' | '”' | '„' | '«' | '»' | '\'' | '‘' | '’') => {
             "texts stand in straight double quotes: `\"file.sdf\"`"
         }
-        Some('−' | '–' | '—') => "write the minus as `-`",
+        Some('−' | '–' | '—' | '‐' | '‑') => "write the minus as `-`",
+        Some('≤') => "write `<=`",
+        Some('≥') => "write `>=`",
+        Some('≠') => "write `!=`",
+        Some('²' | '³') => "write a power as `pow(a, b)`, or `a * a`",
+        Some('°') => "write an angle as `45deg`",
+        Some('∪') => "write the union as `a | b`",
+        Some('∩') => "write the intersection as `a & b`",
+        Some('…') => "write three points: `...`",
+        Some('τ') => "write `tau`",
+        Some(c) if full_width(c).is_some() => {
+            let plain: String = written.chars().map(|c| full_width(c).unwrap_or(c)).take(40).collect();
+            return diagnostic.help(format!("these are wide characters: write `{plain}`"));
+        }
+        Some(c) if invisible(c).is_some_and(|(_, space)| space) => "replace it by a plain space",
         Some('×' | '·') => "write the product as `*`",
         Some('÷') => "write the quotient as `/`",
         Some('π') => "write `pi`",
@@ -521,9 +542,29 @@ fn unknown_characters(span: Span, written: &str) -> Diagnostic {
 
 /// A character as a message can show it: what a terminal would act upon is shown as its number.
 fn shown_character(c: char) -> Vec<char> {
-    let hidden = c.is_control()
-        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
-    if hidden { c.escape_unicode().collect() } else { vec![c] }
+    if invisible(c).is_some() { c.escape_unicode().collect() } else { vec![c] }
+}
+
+/// What a character that cannot be seen, or looks like a space, is called, and whether it is some space.
+fn invisible(c: char) -> Option<(&'static str, bool)> {
+    Some(match c {
+        '\u{a0}' | '\u{202f}' => ("a no-break space", true),
+        '\u{1680}' | '\u{2000}'..='\u{200a}' | '\u{205f}' | '\u{3000}' => ("a special space", true),
+        '\u{2028}' | '\u{2029}' | '\u{85}' | '\u{b}' => ("a special line break", true),
+        '\u{200b}'..='\u{200d}' | '\u{2060}' => ("a character without width", false),
+        '\u{feff}' => ("a byte order mark", false),
+        '\u{ad}' => ("a soft hyphen", false),
+        '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            ("a mark that changes the direction of writing", false)
+        }
+        c if c.is_control() => ("a control character", false),
+        _ => return None,
+    })
+}
+
+/// The plain character that a wide one of East Asian typography looks like.
+fn full_width(c: char) -> Option<char> {
+    matches!(c, '\u{ff01}'..='\u{ff5e}').then(|| char::from_u32(c as u32 - 0xfee0)).flatten()
 }
 
 fn token_too_long(span: Span, written: &str) -> Diagnostic {
@@ -538,6 +579,9 @@ fn unknown_unit(span: Span, written: &str) -> Diagnostic {
         "f" | "F" | "u" | "lf" | "LF" => diagnostic.help(format!("numbers have no suffix: write `{digits}`")),
         "e" | "E" => diagnostic.help(format!("the exponent needs digits: `{digits}e3`")),
         "x" => diagnostic.help("numbers are decimal; colours are written `#ff8800`"),
+        _ if let Some(meant) = crate::did_you_mean(unit, UNITS) => {
+            diagnostic.help(format!("did you mean `{digits}{meant}`?"))
+        }
         _ => diagnostic.help("the units are `deg`, `rad` and `turn`; a name cannot begin with a digit"),
     }
 }

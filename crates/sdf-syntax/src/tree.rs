@@ -170,6 +170,36 @@ pub enum TypeKind {
     Fn,
 }
 
+impl TypeKind {
+    /// All of them.
+    pub const ALL: [TypeKind; 9] = [
+        TypeKind::Float,
+        TypeKind::Vec2,
+        TypeKind::Vec3,
+        TypeKind::Bool,
+        TypeKind::Shape,
+        TypeKind::Shape2,
+        TypeKind::Material,
+        TypeKind::List,
+        TypeKind::Fn,
+    ];
+
+    /// The type as written.
+    pub fn word(self) -> &'static str {
+        match self {
+            TypeKind::Float => "float",
+            TypeKind::Vec2 => "vec2",
+            TypeKind::Vec3 => "vec3",
+            TypeKind::Bool => "bool",
+            TypeKind::Shape => "shape",
+            TypeKind::Shape2 => "shape2",
+            TypeKind::Material => "material",
+            TypeKind::List => "list",
+            TypeKind::Fn => "fn",
+        }
+    }
+}
+
 /// `scene { let … shapes }`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {

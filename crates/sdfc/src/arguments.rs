@@ -1,9 +1,10 @@
 //! What the command understands.
 
+use crate::failure::Failure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use sdfc::{Device, Format, Language, Options, Target};
+use sdfc::{Device, FileLoader, Format, Language, Options, Target, reason};
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The largest side of a picture, in pixels.
 const SIDE_LIMIT: u32 = 16_384;
@@ -170,18 +171,24 @@ fn is_negative_point(text: &str) -> bool {
         && rest.any(|c| c == ',' || c.is_whitespace())
 }
 
-/// Values of params.
+/// Values of params, and where imported files may be.
 #[derive(Debug, Args, Default, PartialEq)]
 pub struct SetArguments {
     /// Freeze a param at a value; may be given several times
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
     pub values: Vec<(String, String)>,
+    /// Allow imports of files in this folder, beside that of the scene; may be given several times
+    #[arg(long, value_name = "FOLDER")]
+    pub include: Vec<PathBuf>,
 }
 
 impl SetArguments {
-    /// The options of the compiler that this means.
-    pub fn options(&self) -> Options {
-        Options { set: self.values.clone(), ..Options::default() }
+    /// The options of the compiler that this means for a scene.
+    pub fn options(&self, scene: &Path) -> Result<Options, Failure> {
+        let loader = FileLoader::new(scene, &self.include).map_err(|(folder, error)| {
+            Failure::call(format!("cannot import from {}: {}", folder.display(), reason(&error)))
+        })?;
+        Ok(Options { set: self.values.clone(), imports: loader.imports(), ..Options::default() })
     }
 }
 
@@ -237,6 +244,12 @@ impl TargetName {
     /// The target that an extension names.
     pub fn of_extension(extension: &str) -> Option<TargetName> {
         TargetName::from_str(extension, true).ok()
+    }
+
+    /// The extensions that name targets.
+    pub fn extensions() -> Vec<String> {
+        let names = TargetName::value_variants().iter().filter_map(|name| name.to_possible_value());
+        names.map(|name| name.get_name().to_string()).collect()
     }
 
     /// What is written.

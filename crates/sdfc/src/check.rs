@@ -5,8 +5,9 @@ use crate::compile::shader;
 use crate::failure::Failure;
 use crate::input;
 use crate::terminal::Terminal;
-use sdf_syntax::Severity;
-use sdfc::{Clock, Options};
+use sdf_syntax::tree::{Item, ItemKind};
+use sdf_syntax::{Code, Diagnostic, Severity};
+use sdfc::{Clock, Compiled, Options};
 use std::path::Path;
 
 /// At how many points each promise of a file is tried.
@@ -54,20 +55,36 @@ fn check(
             return Err(failure);
         }
     };
-    let compiled = sdfc::compile(
-        &source.name,
-        &source.text,
-        &Options { attack: Some(ATTACK), ..arguments.set.options() },
-        clock,
-    );
-    terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
-    for diagnostic in &compiled.diagnostics {
-        match diagnostic.severity() {
-            Severity::Error => found.errors += 1,
-            Severity::Warning => found.warnings += 1,
-        }
+    let options = Options { attack: Some(ATTACK), ..arguments.set.options(path)? };
+    let mut compiled = sdfc::compile(&source.name, &source.text, &options, clock);
+    if is_for_import(&compiled) {
+        // Nothing is missing in a file that others import; what else is wrong in it has been found.
+        compiled.diagnostics.retain(|d| d.code != Code::E060);
+        terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
+        terminal.note(&format!("{} has no scene: it was checked as a file for import", source.name));
+        found.count(&compiled.diagnostics);
+        return if compiled.has_errors() { Err(Failure::Scene) } else { Ok(()) };
     }
+    terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
+    found.count(&compiled.diagnostics);
     shader(&compiled, terminal).map(drop)
+}
+
+/// Whether a file without a scene has what an import brings, and nothing that only a scene's file needs.
+fn is_for_import(compiled: &Compiled) -> bool {
+    let brings = |item: &Item| {
+        matches!(
+            item.kind,
+            ItemKind::Import { .. }
+                | ItemKind::Fn(_)
+                | ItemKind::Let(_)
+                | ItemKind::Param { .. }
+                | ItemKind::Material(..)
+        )
+    };
+    let items = &compiled.tree.items;
+    let has_no_scene = compiled.diagnostics.iter().any(|d| d.code == Code::E060);
+    has_no_scene && !items.is_empty() && items.iter().all(brings)
 }
 
 /// How much was found.
@@ -79,6 +96,12 @@ struct Found {
 }
 
 impl Found {
+    fn count(&mut self, diagnostics: &[Diagnostic]) {
+        let errors = diagnostics.iter().filter(|d| d.severity() == Severity::Error).count();
+        self.errors += errors;
+        self.warnings += diagnostics.len() - errors;
+    }
+
     fn summary(&self, scenes: usize) -> String {
         let count = |n: usize, one: &str| match n {
             0 => None,

@@ -29,7 +29,7 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     // Whoever looks at a page can look around.
     let orbit = format == Some(Format::Page);
     let facts = arguments.emit.contains(&Stage::Facts);
-    let options = Options { orbit, facts, ..arguments.set.options() };
+    let options = Options { orbit, facts, ..arguments.set.options(scene)? };
     let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     if !arguments.emit.is_empty() {
@@ -92,8 +92,15 @@ fn format(arguments: &CompileArguments) -> Result<Option<Format>, Failure> {
             shown(arguments.scene.as_deref()),
             path.display()
         ))),
-        Some(other) => Err(Failure::call(format!("no target is called .{other}"))
-            .help(format!("{known}; `--target` overrides the extension"))),
+        Some(other) => {
+            let extensions = TargetName::extensions();
+            let known_ones = extensions.iter().map(String::as_str).chain(["png"]);
+            let help = match sdf_syntax::did_you_mean(other, known_ones) {
+                Some(similar) => format!("did you mean .{similar}?"),
+                None => format!("{known}; `--target` overrides the extension"),
+            };
+            Err(Failure::call(format!("no target is called .{other}")).help(help))
+        }
         None => Err(Failure::call(format!("{} has no extension to tell the target by", path.display()))
             .help(format!("{known}; `--target` names one for any file"))),
     }

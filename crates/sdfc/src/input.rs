@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::terminal::Terminal;
 use sdf_lang::USER_FILE;
 use sdf_syntax::{FILE_LIMIT, Sources};
+use sdfc::{reason, similar_file};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -27,7 +28,10 @@ pub fn read(path: &Path, terminal: &Terminal) -> Result<Scene, Failure> {
     let bytes = bytes(path).map_err(|error| {
         let failure = Failure::call(format!("cannot read {name}: {}", reason(&error)));
         match error.kind() {
-            io::ErrorKind::NotFound => failure.help("is the path right?"),
+            io::ErrorKind::NotFound => match similar_file(path) {
+                Some(name) => failure.help(format!("did you mean {name}?")),
+                None => failure.help("is the path right?"),
+            },
             _ => failure,
         }
     })?;
@@ -52,12 +56,4 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
         File::open(path)?.take(limit).read_to_end(&mut bytes)?;
     }
     Ok(bytes)
-}
-
-/// What the system says of an error, in our manner: lower case, without the number.
-pub fn reason(error: &io::Error) -> String {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or_default();
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

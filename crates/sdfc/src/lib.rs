@@ -8,11 +8,13 @@ mod clock;
 mod cost;
 mod draw;
 mod field;
+mod files;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
 pub use field::{Field, Material, Property, Sample};
+pub use files::{FileLoader, similar_file};
 pub use sdf_emit::{Format, Target};
 pub use sdf_ir::Constant;
 pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
@@ -26,6 +28,14 @@ use std::path::Path;
 
 /// The version of the compiler.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What the system says of an error, in our manner: lower case, without the number.
+pub fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or_default();
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
 
 /// What came of a source.
 #[derive(Debug)]

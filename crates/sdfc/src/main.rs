@@ -18,7 +18,7 @@ mod render;
 mod terminal;
 
 use arguments::{Arguments, Command, CompileArguments};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use failure::Failure;
 use std::process::ExitCode;
 use terminal::Terminal;
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     // SAFETY: no other thread runs yet. Without it a layer of the Vulkan loader writes to the terminal.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let arguments = Arguments::try_parse_from(arguments::arguments());
-    let arguments = arguments.unwrap_or_else(|error| terminal::refuse_call(&error));
+    let arguments = arguments.unwrap_or_else(|error| refuse(&error));
     bug::explain_panics(arguments.messages.message_format);
     let terminal = Terminal::new(&arguments.messages);
     let done = run(&arguments, &terminal);
@@ -36,6 +36,20 @@ fn main() -> ExitCode {
     }
     terminal.where_to_read_on();
     done.map_or_else(|failure| failure.exit_code(), |()| ExitCode::SUCCESS)
+}
+
+/// Says what is wrong with a call, and ends the process. A word that is like a command was meant to be one.
+fn refuse(error: &clap::Error) -> ! {
+    let first = std::env::args().nth(1).unwrap_or_default();
+    let commands = Arguments::command();
+    let names: Vec<&str> = commands.get_subcommands().map(clap::Command::get_name).collect();
+    if error.use_stderr()
+        && !std::path::Path::new(&first).exists()
+        && let Some(meant) = sdf_syntax::did_you_mean(&first, names.iter().copied())
+    {
+        terminal::refuse_command(&first, meant);
+    }
+    terminal::refuse_call(error)
 }
 
 fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {

@@ -1,7 +1,8 @@
 //! Artefacts to files and standard output: whole, or not at all.
 
 use crate::failure::Failure;
-use crate::input::{is_dash, reason};
+use crate::input::is_dash;
+use sdfc::reason;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

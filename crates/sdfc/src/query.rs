@@ -24,10 +24,10 @@ pub fn run(arguments: &QueryArguments, terminal: &Terminal) -> Result<(), Failur
     let mut clock = Clock::default();
     let points = clock.time("read the points", || points(&arguments.points))?;
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
-    let options = Options { query: true, ..arguments.set.options() };
+    let options = Options { query: true, ..arguments.set.options(&arguments.scene)? };
     let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
-    shader(&compiled)?;
+    shader(&compiled, terminal)?;
     let mut field = Field::new(&compiled).expect("a scene without mistakes has a field");
     field.set(&Frame { time: arguments.time, ..Frame::new(1, 1) });
     let samples = clock.time("evaluate", || field.sample(&points));
@@ -59,7 +59,7 @@ fn points(named: &[String]) -> Result<Vec<Point>, Failure> {
 fn points_of_input() -> Result<Vec<Point>, Failure> {
     let cannot = |why: &str| Failure::call(format!("cannot read the points from standard input: {why}"));
     let mut bytes = Vec::new();
-    io::stdin().lock().read_to_end(&mut bytes).map_err(|error| cannot(&input::reason(&error)))?;
+    io::stdin().lock().read_to_end(&mut bytes).map_err(|error| cannot(&sdfc::reason(&error)))?;
     let text = String::from_utf8(bytes).map_err(|_| cannot("it is no UTF-8 text"))?;
     let mut points = Vec::new();
     for (i, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {

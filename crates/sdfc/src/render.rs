@@ -15,7 +15,8 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let output = Output::prepare(&arguments.output, &arguments.scene)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
-    let compiled = sdfc::compile(&source.name, &source.text, &arguments.set.options(), &mut clock);
+    let compiled =
+        sdfc::compile(&source.name, &source.text, &arguments.set.options(&arguments.scene)?, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     let shader = shader(&compiled, terminal)?;
 

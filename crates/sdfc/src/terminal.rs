@@ -140,27 +140,39 @@ impl Terminal {
     }
 }
 
-/// Says that the arguments make no sense, or gives the help that was asked for, and ends the process. The format that
-/// is wanted stands in arguments that could not be read as a whole.
+/// Says that the arguments make no sense, or gives the help that was asked for, and ends the process.
 pub fn refuse_call(error: &clap::Error) -> ! {
+    if !error.use_stderr() || wanted_format() == MessageFormat::Human {
+        error.exit();
+    }
+    let text = error.render().to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let said: Vec<&str> = lines.take_while(|line| !line.starts_with("Usage")).collect();
+    refuse(&said.join(" "), "`sdfc --help` shows how it is called", error.exit_code())
+}
+
+/// Says that a word is no command, and which one was meant, and ends the process.
+pub fn refuse_command(word: &str, meant: &str) -> ! {
+    refuse(&format!("there is no command `{word}`"), &format!("did you mean `{meant}`?"), 2)
+}
+
+fn refuse(said: &str, help: &str, exit_code: i32) -> ! {
+    let messages = MessageArguments { color: Color::Auto, message_format: wanted_format(), deny: None };
+    Terminal::new(&messages).say("error", said, Some(help));
+    std::process::exit(exit_code)
+}
+
+/// The format that is wanted by arguments that could not be read as a whole.
+fn wanted_format() -> MessageFormat {
     let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     let wants = |format: &str| {
         words.iter().any(|word| *word == format!("--message-format={format}"))
             || words.windows(2).any(|pair| pair[0] == "--message-format" && pair[1] == format)
     };
-    let (json, short) = (wants("json"), wants("short"));
-    if !error.use_stderr() || !(json || short) {
-        error.exit();
+    match (wants("json"), wants("short")) {
+        (true, _) => MessageFormat::Json,
+        (false, true) => MessageFormat::Short,
+        (false, false) => MessageFormat::Human,
     }
-    let text = error.render().to_string();
-    let text = text.strip_prefix("error: ").unwrap_or(&text);
-    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-    let said =
-        lines.iter().take_while(|line| !line.starts_with("Usage")).copied().collect::<Vec<_>>().join(" ");
-    let help = Some("`sdfc --help` shows how it is called");
-    match json {
-        true => eprint!("{}", Message::without_place("error", &said, help).line()),
-        false => eprint!("{}", short::entry("sdfc", "error", &said, help)),
-    }
-    std::process::exit(error.exit_code())
 }

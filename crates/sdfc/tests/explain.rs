@@ -1,8 +1,10 @@
 //! `sdfc explain`: each code has a text, whose examples are what it says.
 
+use sdf_lang::{Imports, Texts};
 use sdf_syntax::Code;
 use sdfc::{Clock, Options, compile};
 use std::process::Command;
+use std::sync::Arc;
 
 /// An example of an explanation.
 struct Example {
@@ -24,7 +26,11 @@ fn examples(explanation: &str) -> Vec<Example> {
             let (name, value) = pair[1].split_once('=').unwrap();
             (name.to_string(), value.to_string())
         });
-        let options = Options { set: set.collect(), ..Options::default() };
+        // What the examples of imports import.
+        let files =
+            ["bricks.sdf", "stones.sdf"].map(|name| (name.to_string(), "fn wall(h) = box(h)".to_string()));
+        let imports = Imports::from(Arc::new(Texts(files.into_iter().collect())));
+        let options = Options { set: set.collect(), imports, ..Options::default() };
         let is_right = match words[1] {
             "right" => true,
             "wrong" => false,

@@ -5,7 +5,7 @@ use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::listing::parts;
-use crate::value::{Module, Shape};
+use crate::value::Shape;
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::region::Extent;
 use sdf_ir::{Constant, Program, Role, Type, Uniform};
@@ -48,7 +48,7 @@ impl<'t> Elaborator<'t> {
                 continue;
             }
             waiting.extend(parts(&shape));
-            let stated = self.stated(&shape).filter(|s| s.module == Module::User && s.contract.promises());
+            let stated = self.stated(&shape).filter(|s| s.module.is_user() && s.contract.promises());
             let Some(stated) = stated else { continue };
             let Some(place) = stated.contract.place() else { continue };
             // Each promise is tried on a few of the shapes that are made under it.

@@ -71,11 +71,11 @@ impl<'t> Elaborator<'t> {
     /// The table of a scene. Shapes that are used in several places stand where they are met first.
     pub fn facts_of(&mut self, scene: &Rc<Shape<'t>>) -> Eval<Vec<Fact>> {
         let mut rows = Vec::new();
-        self.list(scene, 0, &mut HashSet::new(), &mut rows)?;
+        self.add_rows(scene, 0, &mut HashSet::new(), &mut rows)?;
         Ok(rows)
     }
 
-    fn list(
+    fn add_rows(
         &mut self,
         shape: &Rc<Shape<'t>>,
         depth: usize,
@@ -86,12 +86,12 @@ impl<'t> Elaborator<'t> {
             return Ok(());
         }
         if let ShapeKind::Painted { shape, .. } = &shape.kind {
-            return self.list(shape, depth, seen, rows);
+            return self.add_rows(shape, depth, seen, rows);
         }
         let fact = self.fact(shape, depth)?;
         rows.push(fact);
         for part in parts(shape) {
-            self.list(&part, depth + 1, seen, rows)?;
+            self.add_rows(&part, depth + 1, seen, rows)?;
         }
         Ok(())
     }
@@ -132,7 +132,9 @@ impl<'t> Elaborator<'t> {
         if let Some(stated) = self.stated(shape) {
             let place = stated.contract.slope.map(|s| s.1).or(stated.contract.quality.map(|q| q.1));
             match (place, stated.module) {
-                (Some(place), Module::User) => return self.line(place).map_or(Basis::Library, Basis::Stated),
+                (Some(place), Module::User(_)) => {
+                    return self.line(place).map_or(Basis::Library, Basis::Stated);
+                }
                 (Some(_), _) => return Basis::Library,
                 (None, _) => {}
             }

@@ -108,8 +108,11 @@ impl<'t> Elaborator<'t> {
         let names = self.names;
         match &shape.kind {
             ShapeKind::Named { thunk: Thunk::Let(binding), .. } => {
-                let contract = names.user.contracts.get(&std::ptr::from_ref(*binding).cast())?;
-                Some(Stated { contract, env: Env::new(Module::User), module: Module::User })
+                let place = std::ptr::from_ref(*binding).cast();
+                let (module, contract) = names.user_modules().find_map(|(module, items)| {
+                    items.contracts.get(&place).map(|contract| (module, contract))
+                })?;
+                Some(Stated { contract, env: Env::new(module), module })
             }
             ShapeKind::Named { thunk: Thunk::Call { function, module, arguments }, .. } => {
                 let contract = names.module(*module).contracts.get(&std::ptr::from_ref(*function).cast())?;
@@ -208,7 +211,7 @@ impl<'t> Elaborator<'t> {
                 return Ok(self.extent_of(shape, 0.0)?.grown(level.max(0.0)));
             }
             // What a file promises, it promises of the shape itself.
-            if level == 0.0 || stated.module != Module::User {
+            if level == 0.0 || !stated.module.is_user() {
                 return self.stated_extent(stated, shape.dimension, level);
             }
         }

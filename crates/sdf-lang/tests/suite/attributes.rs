@@ -18,7 +18,10 @@ fn requirements_are_checked_at_the_call() {
     check(&format!("{THIN}scene {{ thread(0), thread(1), thread(-1) }}"), &[said, said]);
     check(&format!("{THIN}scene {{ 0.thread() }}"), &[said]);
     check(&format!("{THIN}scene {{ for i in 0..3 {{ thread(i - 1) }} }}"), &[said]);
-    check(&format!("{THIN}param r = 1 in 0..2 scene {{ thread(r) }}"), &[]);
+    check(&format!("{THIN}param r = 1 in 0.1..2 scene {{ thread(r) }}"), &[]);
+    let advice = "narrow the range of the param, or bound the value with `clamp`, `min` or `max`";
+    let warned = format!("W002: a thread needs a radius; {advice}");
+    check(&format!("{THIN}param r = 1 in 0..2 scene {{ thread(r), thread(r + 1) }}"), &[&warned]);
     check(
         "@requires(b > a, \"in order\") fn f(a, b = a + 1) = b scene { sphere(f(1)), sphere(f(1, 0.5)) }",
         &["E043: in order; "],

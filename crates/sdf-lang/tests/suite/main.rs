@@ -1,6 +1,9 @@
 //! What scenes mean: each suite compiles scenes and runs the programs in `f64`.
 
 mod attributes;
+mod complete;
+mod imports;
+mod language;
 mod limits;
 mod materials;
 mod operators;
@@ -8,4 +11,5 @@ mod scene;
 mod shapes;
 mod steps;
 mod structure;
+mod suggestions;
 mod values;

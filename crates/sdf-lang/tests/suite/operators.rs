@@ -207,7 +207,7 @@ fn booleans() {
         ("for i in 0..3 { lump.at(i, 0, 0) }", |[x, y, z]| {
             (0..3).map(|i| lump([x - f64::from(i), y, z])).fold(9e9, f64::min)
         }),
-        ("[lump, [other, third]]", |p| lump(p).min(other(p)).min(third(p))),
+        ("[[lump], [other, third]]", |p| lump(p).min(other(p)).min(third(p))),
         ("intersection(lump, other, third)", |p| lump(p).max(other(p)).max(third(p))),
         ("intersection(lump)", lump),
         ("difference(lump, other, third)", |p| lump(p).max(-other(p)).max(-third(p))),

@@ -2,16 +2,24 @@
 
 use sdf_ir::eval::{Machine, Tape, point};
 use sdf_ir::{Constant, FunctionId, Program};
-use sdf_lang::{Compilation, Options, Scene};
+use sdf_lang::{Compilation, Imports, Options, Scene, Texts};
+use std::sync::Arc;
 
 /// A point of space.
 pub type Point = [f64; 3];
 
 /// Compiles a scene, whatever comes of it; every program that is made is well formed.
 pub fn compile(text: &str, set: &[(&str, &str)]) -> Compilation {
+    compile_with(text, &[], set)
+}
+
+/// The same with files that the scene may import.
+pub fn compile_with(text: &str, files: &[(&str, &str)], set: &[(&str, &str)]) -> Compilation {
+    let texts = Texts(files.iter().map(|(name, text)| (name.to_string(), text.to_string())).collect());
+    let imports = Imports::from(Arc::new(texts));
     let set = set.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
     // Fields that compute something else than distances promise a slope that they do not have.
-    let options = Options { set, attack: Some(0), ..Options::default() };
+    let options = Options { set, imports, attack: Some(0), ..Options::default() };
     let compilation = sdf_lang::compile("scene.sdf", text, &options);
     if let Some(scene) = &compilation.scene {
         assert_eq!(sdf_ir::verify(&scene.program), Ok(()), "in\n{text}");
@@ -33,8 +41,13 @@ pub fn scene_set(text: &str, set: &[(&str, &str)]) -> Scene {
 
 /// The findings about a text, as `code: message; help`, in the order of the source.
 pub fn findings(text: &str) -> Vec<String> {
-    let found = sdf_lang::compile("scene.sdf", text, &Options::default()).diagnostics;
-    found
+    described(&sdf_lang::compile("scene.sdf", text, &Options::default()))
+}
+
+/// The findings of a compilation.
+pub fn described(compilation: &Compilation) -> Vec<String> {
+    compilation
+        .diagnostics
         .iter()
         .map(|d| format!("{}: {}; {}", d.code, d.message, d.help.clone().unwrap_or_default()))
         .collect()

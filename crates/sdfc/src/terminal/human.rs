@@ -81,11 +81,12 @@ fn in_words(diagnostic: &Diagnostic, sources: &Sources) -> String {
     } else {
         let at = |span: Span| {
             let (line, column) = sources.line_column(span.file, span.start);
-            format!("{line}:{column}")
+            let name = sources.get(span.file).map_or("", |source| &source.name);
+            format!("{name}:{line}:{column}")
         };
-        line("at ", &format!("{name}:{}{label}", at(diagnostic.span)));
+        line("at ", &format!("{}{label}", at(diagnostic.span)));
         for related in &diagnostic.related {
-            line("at ", &format!("{name}:{}: {}", at(related.span), related.text));
+            line("at ", &format!("{}: {}", at(related.span), related.text));
         }
     }
     line(&format!("{GREEN}help{RESET}: "), diagnostic.help.as_deref().unwrap_or_default());

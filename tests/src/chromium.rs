@@ -91,9 +91,10 @@ impl Browser {
     /// A new empty page of `width` by `height` pixels.
     pub fn page(&self, width: u32, height: u32) -> Page<'_> {
         let target = self.call(None, "Target.createTarget", json!({ "url": "about:blank" }));
-        let attach = json!({ "targetId": target["targetId"], "flatten": true });
+        let target = text(&target["targetId"]);
+        let attach = json!({ "targetId": target, "flatten": true });
         let session = text(&self.call(None, "Target.attachToTarget", attach)["sessionId"]);
-        let page = Page { browser: self, session };
+        let page = Page { browser: self, target, session };
         for domain in ["Page", "Runtime"] {
             page.call(&format!("{domain}.enable"), json!({}));
         }
@@ -202,7 +203,15 @@ fn text(value: &Value) -> String {
 /// A page of a browser.
 pub struct Page<'a> {
     browser: &'a Browser,
+    target: String,
     session: String,
+}
+
+impl Drop for Page<'_> {
+    fn drop(&mut self) {
+        // A browser that is gone has no pages either.
+        let _ = self.browser.attempt(None, "Target.closeTarget", json!({ "targetId": self.target }));
+    }
 }
 
 /// What a mouse does, at its place.
@@ -290,6 +299,23 @@ impl Page<'_> {
             self.mouse(Mouse::Presses(count), x, y, true);
             self.mouse(Mouse::Releases(count), x, y, false);
         }
+    }
+
+    /// A key goes down and up. `key` is what a script is told: a character, or a name such as `Home`.
+    pub fn press(&self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            let mut event = json!({ "type": kind, "key": key });
+            if kind == "keyDown" && key.chars().count() == 1 {
+                event["text"] = key.into();
+            }
+            self.call("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    /// The wheel is turned down by so many pixels.
+    pub fn wheel(&self, x: f64, y: f64, down: f64) {
+        let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": down });
+        self.call("Input.dispatchMouseEvent", event);
     }
 
     /// What a user sees.

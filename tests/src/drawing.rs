@@ -22,7 +22,16 @@ pub struct Verdict {
 
 /// The shader of an example, which must have no mistakes.
 pub fn shader(example: &Example) -> Shader {
-    let compiled = sdfc::compile(&example.name, &example.text, &Options::default(), &mut Clock::default());
+    compiled(example, &Options::default())
+}
+
+/// The shader of an example with a camera that can be turned from outside.
+pub fn turnable(example: &Example) -> Shader {
+    compiled(example, &Options { orbit: true, ..Options::default() })
+}
+
+fn compiled(example: &Example, options: &Options) -> Shader {
+    let compiled = sdfc::compile(&example.name, &example.text, options, &mut Clock::default());
     let said: Vec<&String> = compiled.diagnostics.iter().map(|d| &d.message).collect();
     compiled.output.unwrap_or_else(|| panic!("{}: {said:?}", example.name)).1
 }
@@ -57,6 +66,7 @@ pub fn on_device(shader: &Shader, frames: &[Frame], name: &str, language: Langua
 
 /// The buffers of a scene, from a compilation of its own: what is drawn has no probe.
 pub fn buffers(example: &Example, frame: &Frame) -> Buffers {
-    let options = Options { probe: true, ..Options::default() };
+    // A camera that is not turned stands where it stood.
+    let options = Options { probe: true, orbit: frame.orbit != [0.0, 0.0, 1.0], ..Options::default() };
     Buffers::of(&scene(&example.name, &example.text, &options), frame)
 }

@@ -8,6 +8,7 @@ pub mod fields;
 pub mod glslang;
 pub mod library;
 pub mod numbers;
+pub mod pages;
 pub mod run;
 pub mod scenes;
 pub mod shadertoy;

@@ -9,7 +9,7 @@ use sdf_tests::drawing::{SIZE, TIMES, Verdict, buffers, frames, on_cpu, on_devic
 use sdf_tests::run::lavapipe;
 use sdf_tests::scenes::{Buffers, Example, examples};
 use sdf_tests::table::Table;
-use sdf_tests::{glslang, shadertoy, swiftshader};
+use sdf_tests::{glslang, pages, shadertoy, swiftshader};
 use sdfc::{Language, Shader, Target};
 use std::thread;
 
@@ -52,7 +52,7 @@ impl Case {
     }
 
     /// What all clients make of it.
-    fn cells(&self, canvas: &Canvas) -> Vec<Cell> {
+    fn cells(&self, browser: &Browser, canvas: &Canvas) -> Vec<Cell> {
         let Case { example, shader, frames, .. } = self;
         let [wgsl, glsl] = [Language::Wgsl, Language::Glsl];
         let (mesa, swift, chromium) = thread::scope(|scope| {
@@ -62,6 +62,7 @@ impl Case {
                 canvas.shadertoy(&self.text(Target::Shadertoy), frames),
                 canvas.webgl(shader, &self.text(Target::GlslEs), frames),
                 canvas.webgpu(shader, &self.text(Target::Wgsl), frames),
+                pages::draw(browser, example, frames),
             ];
             (mesa.join().expect("lavapipe"), swift.join().expect("SwiftShader"), chromium)
         });
@@ -79,6 +80,7 @@ impl Case {
             "Chromium, Shadertoy",
             "Chromium, WebGL2",
             "Chromium, WebGPU",
+            "Chromium, page",
         ];
         let verdicts = mesa.iter().chain(&swift).chain(&chromium);
         cells.extend(names.iter().zip(verdicts).map(|(name, v)| self.drawn(name, v, &self.expected)));
@@ -125,7 +127,7 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     let (mut table, mut complaints) = (about(&browser), String::new());
     for example in examples() {
         let case = Case::of(example);
-        let cells = case.cells(&canvas);
+        let cells = case.cells(&browser, &canvas);
         let heads = ["example"].into_iter().chain(cells.iter().map(|cell| cell.client));
         table.columns = heads.map(str::to_owned).collect();
         let name = case.example.name.clone();

@@ -137,7 +137,9 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     }
     println!("{}", table.markdown());
     assert!(complaints.is_empty(), "{complaints}");
-    assert_eq!(table.check("clients.md"), None);
+    if let Some(stale) = table.check("clients.md") {
+        panic!("{stale}");
+    }
 }
 
 /// The table without its rows.
@@ -194,5 +196,57 @@ fn a_client_that_refuses_or_draws_something_else_is_seen() {
         let cell = case.drawn("dark", &verdict, &case.expected);
         assert_eq!(verdict.complaint, None);
         assert!(cell.complaint.is_some_and(|said| said.contains("pixels differ")), "{}", cell.text);
+    }
+}
+
+/// Shapes and params may be called what the surroundings of a shader are called, and what a browser reserves.
+#[test]
+fn names_of_the_surroundings_are_free() {
+    const MORE: [&str; 12] = [
+        "GL_ES",
+        "GL_FRAGMENT_PRECISION_HIGH",
+        "webgl_a",
+        "_webgl_b",
+        "gl_FragColor",
+        "fragColor",
+        "fragCoord",
+        "vs_main",
+        "fs_main",
+        "uniforms",
+        "main0",
+        "ZERO",
+    ];
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let words = shadertoy::PRELUDE
+        .split(|c| !is_part(c))
+        .filter(|w| w.starts_with(|c: char| c.is_ascii_alphabetic()));
+    let mut names: Vec<&str> = words.chain(MORE).collect();
+    names.sort_unstable();
+    names.dedup();
+    // What means something in the language of scenes cannot be a name there.
+    let is_free = |name: &&str| {
+        let text = format!("fn {name}(r) = sphere(r)\nscene {{ {name}(1) }}");
+        sdfc::compile("name", &text, &sdfc::Options::default(), &mut sdfc::Clock::default()).output.is_some()
+    };
+    names.retain(is_free);
+    for name in ["iCh0", "st_assert", "shadertoy_out_color", "iTime", "mainImage", "GL_ES", "webgl_a"] {
+        assert!(names.contains(&name), "{name} is no name in {names:?}");
+    }
+    let mut text = String::from("camera { eye: (0, 0, 30) }\n");
+    let mut entries = String::new();
+    for (i, name) in names.iter().enumerate() {
+        let (x, y) = (i % 8 * 2, i / 8 * 2);
+        // No two are the same function, and none is one of the library's.
+        text += &format!("fn {name}(r) = field {{ max(length(p) - r, p.y - 0.{i:03}) }}\n");
+        entries += &format!("{name}(0.5).at({x} - 7, {y} - 7, 0),\n");
+    }
+    text += &format!("scene {{\n{entries}}}\n");
+    let browser = Browser::start();
+    let canvas = Canvas::new(&browser);
+    let case = Case::of(Example { name: "names".into(), text });
+    let shapes = case.text(Target::Shadertoy).matches("(vec3 p, float r) {").count();
+    assert!(shapes >= names.len(), "{shapes} shapes of {}", names.len());
+    for cell in case.cells(&browser, &canvas) {
+        assert_eq!(cell.complaint, None, "{}", cell.client);
     }
 }

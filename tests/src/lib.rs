@@ -1,9 +1,16 @@
 //! Helpers of the suites in `tests/`.
 
 pub mod agreement;
+pub mod canvas;
+pub mod chromium;
+pub mod drawing;
 pub mod fields;
 pub mod glslang;
 pub mod library;
 pub mod numbers;
+pub mod pages;
 pub mod run;
 pub mod scenes;
+pub mod shadertoy;
+pub mod swiftshader;
+pub mod table;

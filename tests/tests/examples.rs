@@ -1,115 +1,18 @@
-//! Every scene in `examples/`: all targets take its text, and the interpreter, WGSL and GLSL draw the same picture.
+//! The scenes in `examples/`, how their pictures are compared, and that each has its place on the page.
 
-use sdf_ir::Role;
+use sdf_emit::Target;
 use sdf_lang::Options;
-use sdf_render::{Frame, Picture};
-use sdf_tests::agreement::{Agreement, TOLERANCE, compare};
-use sdf_tests::glslang;
-use sdf_tests::scenes::{Buffers, Example, examples, folder, scene};
-use sdfc::{Clock, Device, Language, Shader, Target};
-use std::fmt::Write;
-
-const SIZE: [u32; 2] = [320, 180];
-/// When animated scenes are drawn; the others are drawn at the first of these.
-const TIMES: [f64; 2] = [0.0, 1.7];
-
-fn shader(example: &Example) -> Shader {
-    let compiled = sdfc::compile(&example.name, &example.text, &Options::default(), &mut Clock::default());
-    let said: Vec<&String> = compiled.diagnostics.iter().map(|d| &d.message).collect();
-    compiled.output.unwrap_or_else(|| panic!("{}: {said:?}", example.name)).1
-}
-
-fn draw(shader: &Shader, frame: &Frame, device: &Device, language: Language) -> Picture {
-    let drawing = shader.draw(frame, device, language, &|_| {}, &mut Clock::default());
-    drawing.unwrap_or_else(|error| panic!("{error}")).picture
-}
-
-fn frame_at(time: f64) -> Frame {
-    Frame { time, ..Frame::new(SIZE[0], SIZE[1]) }
-}
-
-/// The buffers of a scene, from a compilation of its own: what is drawn has no probe.
-fn buffers(example: &Example, frame: &Frame) -> Buffers {
-    let options = Options { probe: true, ..Options::default() };
-    Buffers::of(&scene(&example.name, &example.text, &options), frame)
-}
-
-/// The interpreter's picture, and those of both languages on the software driver.
-fn pictures(shader: &Shader, frame: &Frame) -> [Picture; 3] {
-    let lavapipe = Device::Named("llvmpipe".into());
-    [
-        draw(shader, frame, &Device::Cpu, Language::Wgsl),
-        draw(shader, frame, &lavapipe, Language::Wgsl),
-        draw(shader, frame, &lavapipe, Language::Glsl),
-    ]
-}
-
-/// What a target has against an example, if anything: naga's word on all, and the reference compiler's on `.frag`.
-fn refusal(shader: &Shader, target: Target) -> Option<String> {
-    match shader.text(target) {
-        Err(diagnostic) => Some(diagnostic.message),
-        Ok(text) if target == Target::GlslEs => glslang::complaint(&text),
-        Ok(_) => None,
-    }
-}
-
-/// One row of the table.
-fn row(table: &mut String, example: &Example, what: &str, outcome: &str) {
-    writeln!(table, "{:<12} {what:<24} {outcome}", example.name).expect("a string grows");
-}
-
-#[test]
-fn all_targets_take_every_example_and_draw_it_alike() {
-    let (mut table, mut complaints) = (String::new(), String::new());
-    for example in examples() {
-        let shader = shader(&example);
-        assert_eq!(sdf_ir::verify(&shader.program), Ok(()), "{}", example.name);
-        for target in Target::ALL {
-            let refusal = refusal(&shader, target);
-            let outcome = if refusal.is_none() { "accepted" } else { "refused" };
-            row(&mut table, &example, &format!("{target:?}"), outcome);
-            complaints += &refusal.map_or(String::new(), |r| format!("{}, {target:?}: {r}\n", example.name));
-        }
-        let animated = shader.program.uniforms.iter().any(|u| u.role == Role::Time);
-        for time in TIMES.into_iter().take(if animated { 2 } else { 1 }) {
-            let frame = frame_at(time);
-            let buffers = buffers(&example, &frame);
-            assert!(buffers.pixels.iter().any(|seen| seen.depth > 0.0), "{} shows nothing", example.name);
-            let [cpu, wgsl, glsl] = pictures(&shader, &frame);
-            let pairs =
-                [("cpu, wgsl", &cpu, &wgsl), ("cpu, glsl", &cpu, &glsl), ("wgsl, glsl", &wgsl, &glsl)];
-            for (pair, expected, found) in pairs {
-                let agreement = compare(expected, found, &buffers);
-                let Agreement { pixels, differing, largest, ref unexplained } = agreement;
-                let share = 100.0 * differing as f64 / pixels as f64;
-                let outcome = format!(
-                    "{differing} pixels differ ({share:.3} %), {} off edges; largest difference {largest}",
-                    unexplained.len()
-                );
-                row(&mut table, &example, &format!("{pair} at {time} s"), &outcome);
-                if let Some(complaint) = agreement.complaint() {
-                    complaints += &format!("{} at {time}, {pair}:\n{complaint}\n", example.name);
-                }
-            }
-        }
-    }
-    keep("examples.txt", &table);
-    assert!(complaints.is_empty(), "{complaints}");
-}
-
-/// Prints a table, and leaves it in the folder of what was built.
-fn keep(name: &str, table: &str) {
-    println!("{table}");
-    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::write(&path, table).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-}
+use sdf_render::Picture;
+use sdf_tests::agreement::{TOLERANCE, compare};
+use sdf_tests::drawing::{SIZE, buffers, frame_at, on_cpu, shader};
+use sdf_tests::scenes::{Buffers, examples, folder, scene};
 
 /// An example and its picture by the interpreter, with its buffers.
 fn one() -> (Picture, Buffers) {
     let all = examples();
     let example = all.iter().find(|e| e.name == "carved").expect("the example `carved`");
     let frame = frame_at(0.0);
-    (draw(&shader(example), &frame, &Device::Cpu, Language::Wgsl), buffers(example, &frame))
+    (on_cpu(&shader(example), &frame), buffers(example, &frame))
 }
 
 #[test]

@@ -36,10 +36,13 @@ impl Expression {
         Expression { text: text.into(), level: Level::Atom }
     }
 
-    /// A number, as the shortest decimal that is read back as the same `f32`.
+    /// A number, as the shortest decimal that is read back as the same `f32` and is not beyond the largest.
     pub fn number(x: f32) -> Expression {
         let level = if x.is_sign_negative() { Level::Prefix } else { Level::Atom };
-        Expression { text: format!("{x:?}"), level }
+        // The shortest decimal that means the largest number is a little larger than it: Tint refuses it and ANGLE warns.
+        // This one means it too and is a little smaller.
+        let text = format!("{x:?}").replace("3.4028235e38", "3.4028234e38");
+        Expression { text, level }
     }
 
     /// `name(arguments)`
@@ -97,10 +100,13 @@ mod tests {
             (1e20, "1e20"),
             (1e-7, "1e-7"),
             (16777216.0, "16777216.0"),
-            (f32::MAX, "3.4028235e38"),
+            (f32::MAX, "3.4028234e38"),
+            (f32::MIN, "-3.4028234e38"),
         ];
         for (x, text) in cases {
             assert_eq!(Expression::number(x).text, text);
+            assert_eq!(text.parse(), Ok(x));
+            assert!(text.parse::<f64>().unwrap().abs() <= f64::from(f32::MAX), "{text} overflows");
         }
     }
 

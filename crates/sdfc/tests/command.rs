@@ -48,6 +48,13 @@ impl Folder {
         names
     }
 
+    /// `sdfc` in the folder, without arguments.
+    fn command(&self) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sdfc"));
+        command.current_dir(self.0.path()).env_remove("RUST_BACKTRACE");
+        command
+    }
+
     /// Runs `sdfc` in the folder; the arguments are words.
     fn run(&self, arguments: &str) -> Run {
         self.run_with(arguments, b"")
@@ -55,10 +62,9 @@ impl Folder {
 
     /// [`Folder::run`] with this on standard input.
     fn run_with(&self, arguments: &str, input: &[u8]) -> Run {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_sdfc"))
+        let mut child = self
+            .command()
             .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .env_remove("RUST_BACKTRACE")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -432,6 +438,31 @@ fn any_machine_draws_a_picture() {
     assert!(run.err.is_empty() || run.err.starts_with("note: drawn on the CPU: "), "{}", run.err);
     assert!(run.err.lines().count() <= 1, "{}", run.err);
     assert_eq!(decode(&folder.read("a.png")).0, 16);
+}
+
+/// A second Vulkan driver, which Debian's Chromium carries; Vulkan's loader takes what the environment names.
+#[test]
+fn a_device_is_taken_by_its_name() {
+    const DRIVER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
+    let driver = std::env::var("SWIFTSHADER_ICD").unwrap_or_else(|_| DRIVER.into());
+    assert!(
+        Path::new(&driver).is_file(),
+        "this test needs SwiftShader (Debian: chromium): there is no {driver}"
+    );
+    let folder = Folder::with_scene();
+    let draw = |device: &str| {
+        let mut command = folder.command();
+        command.args(["render", "scene.sdf", "-o", "-", "--size", "32x18", "--timings", "--device", device]);
+        command.env("VK_DRIVER_FILES", &driver).env("VK_ICD_FILENAMES", &driver);
+        let Output { status, stdout, stderr } = command.output().unwrap();
+        let said = String::from_utf8(stderr).unwrap();
+        assert_eq!(status.code(), Some(0), "{said}");
+        (stdout, said)
+    };
+    let (expected, _) = draw("cpu");
+    let (found, said) = draw("swiftshader");
+    assert!(said.contains("drawn by SwiftShader"), "{said}");
+    assert_eq!(found, expected);
 }
 
 #[test]

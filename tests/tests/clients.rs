@@ -151,7 +151,8 @@ fn about(browser: &Browser) -> Table {
          compilers say\nwhat they have against a text, warnings included: `yes` means nothing. The pictures, of \
          {width}×{height} pixels at {first} s and, if the\nscene moves, at {second} s, are compared with the \
          interpreter's: `a / b` means that `a` pixels differ by more than {TOLERANCE} of 255 in\na channel, and that \
-         the largest difference is `b`."
+         the largest difference is `b`.\nThe shader of a page lets its user turn the camera; it rounds \
+         in other places than the one that the interpreter ran."
     );
     Table {
         title: "Clients".into(),

@@ -134,8 +134,8 @@ fn moved(points: &Points, distance: f64, seed: u64) -> Points {
         let n = seed * 1_000_003 + 3 * i as u64;
         let direction: [f64; 3] = std::array::from_fn(|axis| unit(n + axis as u64) * 2.0 - 1.0);
         let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-6);
-        for axis in 0..3 {
-            out[axis][i] += direction[axis] / length * distance;
+        for (column, part) in out.iter_mut().zip(direction) {
+            column[i] += part / length * distance;
         }
     }
     out

@@ -185,10 +185,8 @@ impl<'t> Elaborator<'t> {
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
         let fov = self.ranged_setting(&block, "fov", Constant::Float(FRAC_PI_4), FIELD_OF_VIEW);
-        let eye = match block.fields.get("eye") {
-            Some(_) => Some(self.number_setting(&block, "eye", Constant::Vec3([0.0; 3]))),
-            None => None,
-        };
+        let has_eye = block.fields.contains_key("eye");
+        let eye = has_eye.then(|| self.number_setting(&block, "eye", Constant::Vec3([0.0; 3])));
         let (mut target, up, fov, eye) = (target?, up?, fov?, eye.transpose()?);
         unbuilt?;
         let eye = match eye {

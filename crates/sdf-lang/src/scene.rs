@@ -400,24 +400,29 @@ pub(crate) fn parts_of_union<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
 }
 
 fn parts_of_unnamed<'t>(shape: &Rc<Shape<'t>>) -> Vec<Rc<Shape<'t>>> {
+    let mut parts = Vec::new();
+    add_parts(shape, &mut parts);
+    parts
+}
+
+/// One list takes them all: in a chain of unions each would else be copied once for each union round it.
+fn add_parts<'t>(shape: &Rc<Shape<'t>>, parts: &mut Vec<Rc<Shape<'t>>>) {
     match &shape.kind {
-        ShapeKind::Union { shapes } => shapes.iter().flat_map(parts_of_unnamed).collect(),
+        ShapeKind::Union { shapes } => shapes.iter().for_each(|s| add_parts(s, parts)),
         ShapeKind::Field { env, origin: Some(origin), .. }
             if origin.module == Module::Library && &*origin.function.name.text == "union" =>
         {
             match env.get("shapes") {
-                Some(Value::List(list)) => list
-                    .items
-                    .iter()
-                    .filter_map(|v| match v {
-                        Value::Shape(s) => Some(s),
-                        _ => None,
-                    })
-                    .flat_map(parts_of_unnamed)
-                    .collect(),
-                _ => vec![shape.clone()],
+                Some(Value::List(list)) => {
+                    for item in &list.items {
+                        if let Value::Shape(s) = item {
+                            add_parts(s, parts);
+                        }
+                    }
+                }
+                _ => parts.push(shape.clone()),
             }
         }
-        _ => vec![shape.clone()],
+        _ => parts.push(shape.clone()),
     }
 }

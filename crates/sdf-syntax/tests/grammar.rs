@@ -216,7 +216,7 @@ impl Reading<'_, '_> {
             }
             Kind::Name(name) => self.production(name, at).iter().copied().collect(),
             Kind::Sequence(parts) => {
-                parts.iter().fold(BTreeSet::from([at]), |starts, part| self.from_all(part, &starts))
+                parts.iter().fold(BTreeSet::from([at]), |starts, part| self.reached_from_all(part, &starts))
             }
             Kind::Choice(parts) => parts.iter().flat_map(|part| self.part(part, at)).collect(),
             Kind::Optional(part) => self.part(part, at).into_iter().chain([at]).collect(),
@@ -234,7 +234,7 @@ impl Reading<'_, '_> {
         ends
     }
 
-    fn from_all(&mut self, part: &Part, starts: &BTreeSet<usize>) -> BTreeSet<usize> {
+    fn reached_from_all(&mut self, part: &Part, starts: &BTreeSet<usize>) -> BTreeSet<usize> {
         starts.iter().flat_map(|start| self.part(part, *start)).collect()
     }
 
@@ -242,7 +242,7 @@ impl Reading<'_, '_> {
         let mut all = BTreeSet::from([at]);
         let mut last = all.clone();
         while !last.is_empty() {
-            last = self.from_all(part, &last).difference(&all).copied().collect();
+            last = self.reached_from_all(part, &last).difference(&all).copied().collect();
             all.extend(&last);
         }
         all
@@ -259,7 +259,7 @@ impl Reading<'_, '_> {
                 .collect();
             all.extend(&last);
             all.extend(&commas);
-            last = self.from_all(part, &commas).difference(&all).copied().collect();
+            last = self.reached_from_all(part, &commas).difference(&all).copied().collect();
         }
         all
     }

@@ -91,8 +91,14 @@ pub(crate) fn inline_whole(
 ) -> Vec<Value> {
     let mut copy = Copy::new(source, arguments, links);
     let results = copy.region(builder, RegionId::ROOT);
+    // What stands in a branch or a loop cannot be seen from here.
+    let mut is_seen = vec![false; source.node_count()];
+    if !source.rotations().is_empty() {
+        source.root().body.iter().for_each(|v| is_seen[v.0 as usize] = true);
+    }
     for rotation in source.rotations() {
-        let known = [rotation.image, rotation.vector].map(|v| copy.copied_or_put_together(builder, v));
+        let known =
+            [rotation.image, rotation.vector].map(|v| copy.copied_or_put_together(builder, v, &is_seen));
         if let [Some(image), Some(vector)] = known {
             copy.carry(builder, rotation, image, vector);
         }
@@ -263,12 +269,16 @@ impl<'a> Copy<'a> {
         builder.mark_rotation(Rotation { image, vector, axis, angle });
     }
 
-    /// What stands for a vector, or what it can be made of.
-    fn copied_or_put_together(&self, builder: &mut Builder, value: Value) -> Option<Value> {
+    /// What stands for a vector, or one of what stands for its parts, if these can be seen.
+    fn copied_or_put_together(&self, builder: &mut Builder, value: Value, is_seen: &[bool]) -> Option<Value> {
         if let Some(copied) = self.copied_or_leaf(builder, value) {
             return Some(copied);
         }
-        if !matches!(self.source.node(value), Node::Compose2(..) | Node::Compose3(..)) {
+        let is_seen = |v: Value| match self.source.node(v) {
+            Node::Argument(region, _) => region == RegionId::ROOT,
+            node => is_seen[v.0 as usize] || is_leaf(node),
+        };
+        if !is_seen(value) || !matches!(self.source.node(value), Node::Compose2(..) | Node::Compose3(..)) {
             return None;
         }
         let mut parts = Vec::with_capacity(3);

@@ -60,7 +60,7 @@ pub fn rebuild(function: &Function) -> Function {
     builder.set_lipschitz(function.lipschitz());
     let arguments: Vec<Value> =
         (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
-    let results = builder.inline(function, &arguments);
+    let results = inline_whole(&mut builder, function, &arguments, &SameProgram);
     builder.finish(results.into_iter().zip(function.result_names.iter().cloned()).collect())
 }
 
@@ -79,6 +79,31 @@ pub(crate) fn inline(
     );
     let mut copy = Copy::new(callee, arguments, links);
     copy.region(builder, RegionId::ROOT)
+}
+
+/// [`inline`] of a function that nothing is added to: rotations stay with it even if a vector has come apart into
+/// components. Then it is put together behind all else, where no rule will find it.
+pub(crate) fn inline_whole(
+    builder: &mut Builder,
+    source: &Function,
+    arguments: &[Value],
+    links: &dyn Links,
+) -> Vec<Value> {
+    let mut copy = Copy::new(source, arguments, links);
+    let results = copy.region(builder, RegionId::ROOT);
+    // What stands in a branch or a loop cannot be seen from here.
+    let mut is_seen = vec![false; source.node_count()];
+    if !source.rotations().is_empty() {
+        source.root().body.iter().for_each(|v| is_seen[v.0 as usize] = true);
+    }
+    for rotation in source.rotations() {
+        let known =
+            [rotation.image, rotation.vector].map(|v| copy.copied_or_put_together(builder, v, &is_seen));
+        if let [Some(image), Some(vector)] = known {
+            copy.carry(builder, rotation, image, vector);
+        }
+    }
+    results
 }
 
 /// Which nodes the results depend on. Nothing has side effects, so all others are dead.
@@ -227,16 +252,40 @@ impl<'a> Copy<'a> {
         let Some(rotation) = self.source.rotation_of(value) else { return };
         let Copied::One(image) = self.copied[value.0 as usize] else { return };
         if let Some(vector) = self.copied_or_leaf(builder, rotation.vector) {
-            let axis = rotation.axis.and_then(|axis| match axis {
-                Axis::Fixed(_) => Some(axis),
-                Axis::Of(axis) => self.copied_or_leaf(builder, axis).map(Axis::Of),
-            });
-            let angle = match rotation.angle {
-                Angle::Of(angle) => self.copied_or_leaf(builder, angle).map_or(Angle::Unknown, Angle::Of),
-                angle => angle,
-            };
-            builder.mark_rotation(Rotation { image, vector, axis, angle });
+            self.carry(builder, rotation, image, vector);
         }
+    }
+
+    /// Notes a rotation of the source on what its image and its vector have become.
+    fn carry(&self, builder: &mut Builder, rotation: &Rotation, image: Value, vector: Value) {
+        let axis = rotation.axis.and_then(|axis| match axis {
+            Axis::Fixed(_) => Some(axis),
+            Axis::Of(axis) => self.copied_or_leaf(builder, axis).map(Axis::Of),
+        });
+        let angle = match rotation.angle {
+            Angle::Of(angle) => self.copied_or_leaf(builder, angle).map_or(Angle::Unknown, Angle::Of),
+            angle => angle,
+        };
+        builder.mark_rotation(Rotation { image, vector, axis, angle });
+    }
+
+    /// What stands for a vector, or one of what stands for its parts, if these can be seen.
+    fn copied_or_put_together(&self, builder: &mut Builder, value: Value, is_seen: &[bool]) -> Option<Value> {
+        if let Some(copied) = self.copied_or_leaf(builder, value) {
+            return Some(copied);
+        }
+        let is_seen = |v: Value| match self.source.node(v) {
+            Node::Argument(region, _) => region == RegionId::ROOT,
+            node => is_seen[v.0 as usize] || is_leaf(node),
+        };
+        if !is_seen(value) || !matches!(self.source.node(value), Node::Compose2(..) | Node::Compose3(..)) {
+            return None;
+        }
+        let mut parts = Vec::with_capacity(3);
+        self.source.operands(value, |part| parts.push(part));
+        let parts: Option<Vec<Value>> =
+            parts.into_iter().map(|part| self.copied_or_leaf(builder, part)).collect();
+        parts.map(|parts| builder.compose(&parts))
     }
 
     /// What stands for a value, if it is a leaf or has been copied.

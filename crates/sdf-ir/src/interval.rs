@@ -8,6 +8,7 @@
 
 mod bounds;
 mod chain;
+mod domain;
 mod functions;
 mod growing;
 mod idiom;
@@ -21,11 +22,11 @@ mod slopes;
 mod walk;
 
 pub use bounds::Bounds;
+pub use domain::Domain;
 pub use growing::Growing;
 pub use number::Interval;
 pub use rotation::{Angle, Axis};
 pub use slopes::{Sloped, Slopes};
-pub use walk::Domain;
 
 use crate::number::LARGEST;
 use crate::program::{Function, Program, RegionId, Role, Type, Unary, Uniform};

@@ -6,7 +6,7 @@
 //! nothing, so simplifying twice is simplifying once.
 
 use crate::build::Builder;
-use crate::copy::{Links, inline, live};
+use crate::copy::{Links, inline_whole, live};
 use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
 use rustc_hash::FxHashMap;
 
@@ -174,7 +174,7 @@ fn with_parameters(source: &Function, takes: &[bool], links: &dyn Links) -> Func
             }
         })
         .collect();
-    let results = inline(&mut builder, source, &arguments, links);
+    let results = inline_whole(&mut builder, source, &arguments, links);
     builder.finish(results.into_iter().zip(source.result_names.iter().cloned()).collect())
 }
 

@@ -61,6 +61,7 @@ impl Plan {
                 _ => false,
             };
         }
+        put_vectors_early(function, &mut plan.bodies[0], &is_there);
         plan.look_beside(function, RegionId::ROOT, &pairs, &mut idioms, &mut is_there);
         plan
     }
@@ -161,6 +162,38 @@ impl Plan {
             }
         }
     }
+}
+
+/// Moves what rotations speak of, where it is put together from components, to just behind these.
+fn put_vectors_early(function: &Function, body: &mut Vec<Value>, is_there: &[bool]) {
+    let is_meant = |v: &Value| {
+        matches!(function.node(*v), Node::Compose2(..) | Node::Compose3(..))
+            && function.rotations().iter().any(|it| it.image == *v || it.vector == *v)
+    };
+    if function.rotations().is_empty() {
+        return;
+    }
+    let mut waiting: Vec<Value> = body.iter().copied().filter(is_meant).collect();
+    let mut is_there = is_there.to_vec();
+    let mut sorted = Vec::with_capacity(body.len());
+    let mut rest = body.iter().copied().filter(|v| !waiting.contains(v)).collect::<Vec<_>>().into_iter();
+    loop {
+        while let Some(ready) = waiting.iter().position(|v| {
+            let mut is_ready = true;
+            function.operands(*v, |operand| is_ready &= is_there[operand.0 as usize]);
+            is_ready
+        }) {
+            let value = waiting.remove(ready);
+            is_there[value.0 as usize] = true;
+            sorted.push(value);
+        }
+        let Some(value) = rest.next() else { break };
+        is_there[value.0 as usize] = true;
+        sorted.push(value);
+    }
+    debug_assert!(waiting.is_empty(), "a vector is made of what its region does not see");
+    sorted.extend(waiting);
+    *body = sorted;
 }
 
 /// The rotation, as far as it speaks of what has been evaluated.

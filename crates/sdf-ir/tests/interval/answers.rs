@@ -236,3 +236,27 @@ fn sides_that_meet_do_not_jump() {
     };
     assert_eq!(over([-1.0; 3], [1.0; 3], jump).norm(), f64::INFINITY);
 }
+
+/// The same for branches, whose sides compute something of their own.
+#[test]
+fn branches_that_meet_do_not_jump() {
+    let branch = |other: f64| {
+        move |b: &mut Builder, p: Value| {
+            let (x, w) = (b.component(p, 0), b.float(0.25));
+            let less = b.binary(Binary::Less, x, w);
+            let then = b.open_region(&[]);
+            let wave = b.unary(Unary::Sin, x);
+            b.close_region(vec![wave]);
+            let otherwise = b.open_region(&[]);
+            let over = b.sub(x, w);
+            let square = b.mul(over, over);
+            let end = b.float(other.sin());
+            let sum = b.add(end, square);
+            b.close_region(vec![sum]);
+            b.branch(less, then, otherwise)[0]
+        }
+    };
+    let found = over([-1.0; 3], [1.0; 3], branch(0.25)).norm();
+    assert!((1.5..=2.5 + 1e-9).contains(&found), "{found}");
+    assert_eq!(over([-1.0; 3], [1.0; 3], branch(0.26)).norm(), f64::INFINITY);
+}

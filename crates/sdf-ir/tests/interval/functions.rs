@@ -154,3 +154,31 @@ fn values_of_a_function_in_the_making() {
     let after = b.add(last, wave);
     assert!(ask(&b, after).hi < 14.857);
 }
+
+/// A vector inside a branch that has come apart is left behind: it could not be put together outside.
+#[test]
+fn rotations_inside_of_branches_stay_well_formed() {
+    let mut b = Builder::new("f", Vec::new());
+    let p = b.add_parameter(parameter("p", Type::Vec3, true));
+    let [x, y, z] = [0, 1, 2].map(|i| b.component(p, i));
+    let less = b.binary(Binary::Less, x, y);
+    let then = b.open_region(&[]);
+    let square = b.mul(z, z);
+    let v = b.compose(&[square, x, z]);
+    let image = turned(&mut b, v, y);
+    let parts = b.components(image);
+    let sum = b.add(parts[0], parts[2]);
+    b.close_region(vec![sum]);
+    let otherwise = b.open_region(&[]);
+    b.close_region(vec![x]);
+    let result = b.branch(less, then, otherwise)[0];
+    let function = b.finish(vec![(result, "".into())]);
+    assert_eq!(function.rotations().len(), 1);
+    let mut program = Program::default();
+    let rebuilt = rebuild(&function);
+    assert_eq!(rebuild(&rebuilt), rebuilt);
+    program.add(rebuilt);
+    assert_eq!(sdf_ir::verify(&program), Ok(()));
+    let region = Sloped::point(Bounds::between([0.0; 3], [1.0; 3]));
+    slopes(&program, &program.functions[0], &[region], &[], &[]);
+}

@@ -9,6 +9,7 @@ mod materials;
 mod operators;
 mod scene;
 mod shapes;
+mod slopes;
 mod steps;
 mod structure;
 mod suggestions;

@@ -303,7 +303,7 @@ impl<'t> Names<'t> {
 }
 
 /// The names that the renderer's uniforms and constants have, which no param can have outside its file.
-const TAKEN: [&str; 6] = ["time", "mouse", "resolution", "tolerance", "far", "steps"];
+const TAKEN: [&str; 7] = ["time", "mouse", "orbit", "resolution", "tolerance", "far", "steps"];
 
 /// The names that params have outside their files: their own, or where another has that already, with the name of
 /// their file before it.

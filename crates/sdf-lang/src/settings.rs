@@ -187,7 +187,8 @@ impl<'t> Elaborator<'t> {
         let fov = self.ranged_setting(&block, "fov", Constant::Float(FRAC_PI_4), FIELD_OF_VIEW);
         let has_eye = block.fields.contains_key("eye");
         let eye = has_eye.then(|| self.number_setting(&block, "eye", Constant::Vec3([0.0; 3])));
-        let (mut target, up, fov, eye) = (target?, up?, fov?, eye.transpose()?);
+        let orbits = self.number_setting(&block, "orbit", Constant::Bool(false));
+        let (mut target, up, fov, eye, orbits) = (target?, up?, fov?, eye.transpose()?, orbits?);
         unbuilt?;
         let eye = match eye {
             Some(eye) => eye,
@@ -207,15 +208,15 @@ impl<'t> Elaborator<'t> {
                 "move `eye` away from `target`",
             ));
         }
-        let orbit = self.orbit(&block, tilt_range([&eye, &target, &up]), options)?;
-        let orbits = Number::constant(Constant::Bool(orbit.is_some()));
+        let orbit = self.orbit(orbits, tilt_range([&eye, &target, &up]), options)?;
+        let is_turned = Number::constant(Constant::Bool(orbit.is_some()));
         let (turn, zoom) = orbit.unwrap_or((Number::constant(Constant::Vec2([0.0; 2])), Number::float(1.0)));
         Ok(fields([
             ("eye", eye),
             ("target", target),
             ("up", up),
             ("fov", fov),
-            ("orbits", orbits),
+            ("orbits", is_turned),
             ("turn", turn),
             ("zoom", zoom),
         ]))
@@ -225,17 +226,10 @@ impl<'t> Elaborator<'t> {
     /// factor of its distance. The pointer in the middle leaves it where it is; the picture's width is a full turn.
     fn orbit(
         &mut self,
-        block: &Block<'t>,
+        asked: Number,
         tilt: (f64, f64),
         options: &Options,
     ) -> Eval<Option<(Number, Number)>> {
-        let asked = match block.fields.get("orbit") {
-            None => Number::constant(Constant::Bool(false)),
-            Some(expr) => {
-                let value = self.eval(expr, &Env::new(Module::ROOT))?;
-                self.as_typed(value, Type::Bool, expr.span)?
-            }
-        };
         if options.orbit {
             let orbit = self.input("orbit", Type::Vec3, Role::Orbit { tilt });
             let zoom = self.component(&orbit, 2);

@@ -22,7 +22,10 @@ fn covers<'a>(rows: impl IntoIterator<Item = String>, all: impl IntoIterator<Ite
 fn value(expr: &str, [a, b, c]: [f64; 3]) -> f64 {
     let text = format!(
         "let ball = sphere(1) let red = ball.paint(#ff0000)
-        scene {{ field {{ let a = p.x; let b = p.y; let c = p.z; if a > 1e15 {{ 77.125 }} else {{ {expr} }} }} }}"
+        @lipschitz(1) let probe = field {{
+            let a = p.x; let b = p.y; let c = p.z; if a > 1e15 {{ 77.125 }} else {{ {expr} }}
+        }}
+        scene {{ probe }}"
     );
     let compilation = compile(&text, &[]);
     let scene =
@@ -94,6 +97,7 @@ const FUNCTIONS: &[(&str, &str, [f64; 3], f64)] = &[
         [1.0, 0.0, 0.0],
         1.0,
     ),
+    ("properties", "properties(red, (a, b, c), x).ior", [1.0, 0.0, 0.0], 1.5),
     ("surrounding", "surrounding(red, (a, b, c), x).glow_radius", [1.0, 0.0, 0.0], 0.25),
 ];
 
@@ -114,7 +118,7 @@ fn every_built_in_function_has_a_row() {
 }
 
 /// Built-in functions of what is proved about shapes, which have suites of their own.
-const OF_SHAPES: [&str; 4] = ["lo", "hi", "reach", "slope"];
+const OF_SHAPES: [&str; 6] = ["lo", "hi", "reach", "slope", "turned", "mirrored"];
 
 #[test]
 fn every_constant_has_a_row() {
@@ -153,7 +157,7 @@ const SETTINGS: &[Setting] = &[
     ("camera", "target", "(1, 2, 3)", Outcome::Changes, "sphere(1)", "E030"),
     ("camera", "up", "(1, 1, 0)", Outcome::Changes, "(1, 2)", "E030"),
     ("camera", "fov", "60deg", Outcome::Changes, "60", "E043"),
-    ("camera", "orbit", "true", Outcome::NotBuilt, "1", "E030"),
+    ("camera", "orbit", "true", Outcome::Changes, "1", "E030"),
     ("camera", "projection", "orthographic", Outcome::NotBuilt, "isometric", "E063"),
     ("light", "direction", "(3, 1, 1)", Outcome::Changes, "0", "E063"),
     ("light", "position", "(3, 1, 1)", Outcome::Changes, "true", "E030"),

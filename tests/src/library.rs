@@ -12,6 +12,8 @@ pub const CALLS: &[(&str, &[&str])] = &[
     ("box", &["box((0.5, 0.8, 0.3))"]),
     ("round_box", &["round_box((0.5, 0.8, 0.3), 0.1)"]),
     ("torus", &["torus(1, 0.3)"]),
+    ("plane_end", &["field { plane_end(1, 0, p.x) }"]),
+    ("plane_hi", &["field { p.y - plane_hi((0, 1, 0), 0.3).y }"]),
     ("plane", &["plane()", "plane((1, 2, -0.5), 0.3)"]),
     ("cylinder", &["cylinder(0.6, 1.2)"]),
     ("capsule", &["capsule((-0.5, 0.1, 0.3), (0.9, 1.2, -0.4), 0.25)"]),
@@ -72,6 +74,7 @@ pub const CALLS: &[(&str, &[&str])] = &[
             "field { smax(p.x, p.y * 0.5 + 0.2, 0.3) }",
         ],
     ),
+    ("bulge", &["field { p.x - bulge(3, 0.2 + 0.1 * p.y) }"]),
     ("blend", &["field { blend(p.x, p.y * 0.5 + 0.2, 0.5, 0.5) }"]),
     (
         "sdiff",
@@ -120,8 +123,13 @@ pub const CALLS: &[(&str, &[&str])] = &[
             "field { rect((0.5, 0.3)).at(0.3, 0.2).mirror((1, 2), 0.1)(p.xy) }",
         ],
     ),
+    ("from_axis", &["field { from_axis(p, (1, 2, 0)) - 0.6 }"]),
     ("twist_slope", &["field { twist_slope(1.3, length(p.xz)) - 1.2 }"]),
     ("twist", &["box((0.5, 0.9, 0.2)).at(0.3, 0.2, -0.1).twist(1.1)"]),
+    (
+        "copies_end",
+        &["field { p.x - copies_end(1, 0.5, 0.7) }", "field { p.x - copies_end(false, 0.5, 0.7) }"],
+    ),
     ("cells", &["field { sum(cells(p.x, 1.5)) + p.y }", "field { sum(cells(p.x, false)) + p.y }"]),
     (
         "repeat",

@@ -10,7 +10,7 @@ use crate::program::{
 
 /// Scalar operations of one evaluation at most, with calls expanded and every loop run to its last round.
 pub fn operations(program: &Program, function: FunctionId) -> u64 {
-    total(program, function, &Count { of_node: operations_of_node, rounds: u64::from })
+    total(program, function, &OPERATIONS)
 }
 
 /// The [`operations`] of the functions of a program that is being made: each is counted once.
@@ -22,12 +22,21 @@ pub struct Operations {
 impl Operations {
     /// Scalar operations of one evaluation of a function at most.
     pub fn of(&mut self, program: &Program, function: FunctionId) -> u64 {
-        let count = Count { of_node: operations_of_node, rounds: u64::from };
+        self.keep_up_with(program);
+        self.totals[function.0 as usize]
+    }
+
+    /// The same of a function apart from the program, which may call those of the program.
+    pub fn of_apart(&mut self, program: &Program, function: &Function) -> u64 {
+        self.keep_up_with(program);
+        region(function, RegionId::ROOT, &self.totals, &OPERATIONS)
+    }
+
+    fn keep_up_with(&mut self, program: &Program) {
         for function in &program.functions[self.totals.len()..] {
-            let total = region(function, RegionId::ROOT, &self.totals, &count);
+            let total = region(function, RegionId::ROOT, &self.totals, &OPERATIONS);
             self.totals.push(total);
         }
-        self.totals[function.0 as usize]
     }
 }
 
@@ -47,6 +56,12 @@ struct Count {
     of_node: fn(&Function, Value) -> u64,
     /// How often a loop's body counts.
     rounds: fn(u32) -> u64,
+}
+
+const OPERATIONS: Count = Count { of_node: operations_of_node, rounds: u64_of };
+
+fn u64_of(count: u32) -> u64 {
+    u64::from(count)
 }
 
 /// Callees stand before their callers, so each function is counted once, in order.

@@ -291,6 +291,11 @@ impl Contexts {
         &self.global_values
     }
 
+    /// How many operations a function takes that was finished apart from the program.
+    pub fn operations_apart(&mut self, function: &Function) -> u64 {
+        self.operations.of_apart(&self.program, function)
+    }
+
     /// How many operations the function takes that a number is a call of; 0 where it is none.
     pub fn operations(&mut self, number: &Number) -> u64 {
         let (depth, value) = match number.repr {

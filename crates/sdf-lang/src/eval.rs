@@ -162,6 +162,15 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// Runs `f` as if no call had been begun: a shape is made from as many others as there are, and what is asked of
+    /// one is asked of those, which is no recursion of the user's.
+    pub fn calling_anew<T>(&mut self, f: impl FnOnce(&mut Self) -> T) -> T {
+        let (active, calls) = (std::mem::take(&mut self.active), std::mem::take(&mut self.calls));
+        let result = f(self);
+        (self.active, self.calls) = (active, calls);
+        result
+    }
+
     // ---- expressions
 
     /// The value of an expression.

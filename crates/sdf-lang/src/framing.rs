@@ -8,7 +8,6 @@ use crate::value::Shape;
 use glam::DVec3;
 use sdf_ir::cost::operations;
 use sdf_ir::eval::{Machine, Tape};
-use sdf_ir::region::Extent;
 use sdf_ir::simplify;
 use sdf_syntax::Span;
 use std::rc::Rc;
@@ -61,10 +60,7 @@ fn cells_of_bounded<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]
 
 /// The centres of small cells in which the surface or the inside of a union may be; nothing if it is unbounded.
 fn cells<'t>(elaborator: &mut Elaborator<'t>, parts: &[Rc<Shape<'t>>]) -> Option<Vec<DVec3>> {
-    let mut proved = Extent::NONE;
-    for part in parts {
-        proved = proved.union(&elaborator.extent_of(part, 0.0).ok()?);
-    }
+    let proved = elaborator.extent_of_all(parts, 0.0).ok()?;
     if proved.is_empty() {
         return Some(Vec::new());
     }

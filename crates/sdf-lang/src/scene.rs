@@ -11,10 +11,9 @@ use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
-use sdf_ir::region::Extent;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
-use sdf_syntax::{Diagnostic, Severity, Sources, Span};
+use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -91,6 +90,10 @@ pub(crate) fn elaborate(
         }
         fits
     });
+    if diagnostics.iter().any(|d| d.code == Code::E045) {
+        // How steep a field is that is too large to be looked at is not the question.
+        diagnostics.retain(|d| d.code != Code::E052);
+    }
     (scene, diagnostics, work)
 }
 
@@ -179,10 +182,7 @@ impl<'t> Elaborator<'t> {
     /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
     /// axis that it is across, the side that it is on (1 or -1), and where it is in that direction.
     fn faces(&mut self) -> Eval<Value<'t>> {
-        let mut all = Extent::NONE;
-        for part in self.scene_parts.clone() {
-            all = all.union(&self.extent_of(&part, 0.0)?);
-        }
+        let all = self.extent_of_all(&self.scene_parts.clone(), 0.0)?;
         let all = all.grown(crate::facts::room(&all));
         let sides = (0..3).flat_map(|axis| [(axis, 1.0, all.hi[axis]), (axis, -1.0, -all.lo[axis])]);
         let faces = sides.filter(|(_, _, at)| at.is_finite()).map(|(axis, side, at)| {

@@ -23,6 +23,12 @@ const FILL: usize = 4000;
 const EVERYWHERE: usize = 40;
 /// How often the search for the steepest place of a region may ask.
 const WITHIN: usize = 600;
+/// How many operations one search may take: with a longer formula it asks less often, and finds less.
+const WORK: u64 = 1_000_000;
+/// How often it may ask at least.
+const LEAST: u64 = 48;
+/// Of a formula that takes more operations nothing is asked.
+const LARGEST_FORMULA: u64 = 200_000;
 /// A bound so little above 1 comes from the proof's own rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -37,6 +43,15 @@ pub(crate) struct Formula {
     /// What the formula makes of its arguments, the sampled distances among them.
     inner: Function,
     samples: Vec<Sampled>,
+    /// How many operations one evaluation takes.
+    operations: u64,
+}
+
+impl Formula {
+    /// How often a search may ask that would ask `most` times of a short formula.
+    fn budget(&self, most: usize) -> usize {
+        most.min((WORK / self.operations.max(1)).max(LEAST) as usize)
+    }
 }
 
 /// A distance that a formula samples.
@@ -83,7 +98,7 @@ impl<'t> Elaborator<'t> {
         let mut walk = Walk::new(&formula, &self.contexts.program, &uniforms, &globals);
         let all = flat(Extent::ALL, shape.dimension);
         let mut places = 1.0f64;
-        let slope = steepest(formula.ty.size(), &all, EVERYWHERE, |cell| {
+        let slope = steepest(formula.ty.size(), &all, formula.budget(EVERYWHERE), |cell| {
             let (slope, place) = walk.gain(cell);
             places = places.max(place);
             Steepness { at_most: slope, at_least: 0.0 }
@@ -126,7 +141,7 @@ impl<'t> Elaborator<'t> {
             let (middle, radius) = cell.middle();
             least(&middle) - everywhere * radius <= level
         };
-        Ok(flat(fill(formula.ty.size(), &all, FILL, may_hold), shape.dimension))
+        Ok(flat(fill(formula.ty.size(), &all, formula.budget(FILL), may_hold), shape.dimension))
     }
 
     /// The slope over all of space, found without the box.
@@ -146,7 +161,7 @@ impl<'t> Elaborator<'t> {
             let center = cell.center();
             Steepness { at_most: slope(cell), at_least: slope(&Extent { lo: center, hi: center }) }
         };
-        let found = steepest(formula.ty.size(), region, budget, ask);
+        let found = steepest(formula.ty.size(), region, formula.budget(budget), ask);
         if found <= 1.0 + ROUNDING { found.min(1.0) } else { found }
     }
 
@@ -188,6 +203,10 @@ impl<'t> Elaborator<'t> {
         else {
             return Ok(None);
         };
+        let operations = self.contexts.operations_apart(&whole);
+        if operations > LARGEST_FORMULA {
+            return Ok(None);
+        }
         let made = self.apart(ty, |this, point| {
             let (inner, mut results, samples) = this.formula_of_samples(block, env, point)?;
             for (_, at, _) in &samples {
@@ -209,7 +228,7 @@ impl<'t> Elaborator<'t> {
             };
             samples.push(Sampled { argument: argument as usize, slope, wild });
         }
-        Ok(Some(Formula { ty, whole, outer, inner, samples }))
+        Ok(Some(Formula { ty, whole, outer, inner, samples, operations }))
     }
 
     /// A function of a point, apart from the program; nothing if it needs what an open function computes.

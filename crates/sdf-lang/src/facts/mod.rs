@@ -13,6 +13,7 @@ mod promise;
 
 use crate::contract::{Contract, Quality};
 use crate::eval::{Elaborator, Eval};
+use crate::scene::parts_of_union;
 use crate::value::{Env, Module, Origin, Shape, ShapeKind, Thunk, Value};
 pub(crate) use attack::Broken;
 use derive::Formula;
@@ -215,6 +216,9 @@ impl<'t> Elaborator<'t> {
                 return self.stated_extent(stated, shape.dimension, level);
             }
         }
+        if let parts @ [_, _, ..] = &parts_of_union(shape)[..] {
+            return self.extent_of_all(parts, level);
+        }
         match &shape.kind {
             ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
                 self.extent_of(&inner.clone(), level)
@@ -223,16 +227,18 @@ impl<'t> Elaborator<'t> {
                 let (then, otherwise) = (then.clone(), otherwise.clone());
                 Ok(self.extent_of(&then, level)?.union(&self.extent_of(&otherwise, level)?))
             }
-            ShapeKind::Union { shapes } => {
-                let shapes = shapes.clone();
-                let mut all = Extent::NONE;
-                for shape in &shapes {
-                    all = all.union(&self.extent_of(shape, level)?);
-                }
-                Ok(all)
-            }
+            ShapeKind::Union { shapes } => self.extent_of_all(&shapes.clone(), level),
             ShapeKind::Field { .. } => self.derived_extent(shape, level),
         }
+    }
+
+    /// The box round several shapes.
+    pub fn extent_of_all(&mut self, shapes: &[Rc<Shape<'t>>], level: f64) -> Eval<Extent> {
+        let mut all = Extent::NONE;
+        for shape in shapes {
+            all = all.union(&self.extent_of(shape, level)?);
+        }
+        Ok(all)
     }
 
     /// The box over which a shape's slope is bounded: what it fills, and some room round it, in which a ray that

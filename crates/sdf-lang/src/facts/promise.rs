@@ -25,8 +25,8 @@ impl<'t> Elaborator<'t> {
             false => env,
         };
         let before = std::mem::replace(&mut self.facts.level, level);
-        let corners =
-            self.corner(lo, &env, dimension).and_then(|lo| Ok((lo, self.corner(hi, &env, dimension)?)));
+        let corners = self
+            .calling_anew(|this| Ok((this.corner(lo, &env, dimension)?, this.corner(hi, &env, dimension)?)));
         self.facts.level = before;
         let (lo, hi) = corners?;
         let ends = |corner: [Interval; 3], pick: fn(Interval) -> f64| corner.map(pick);
@@ -60,7 +60,10 @@ impl<'t> Elaborator<'t> {
         self.contexts.open(&Arc::from("promise"), None);
         let point = self.contexts.entry_parameter("p", ty);
         let inner = env.bind(Arc::from("p"), Value::Number(point)).bind(Arc::from("d"), Value::float(0.0));
-        let number = self.eval(expr, &inner).and_then(|value| self.as_typed(value, Type::Float, expr.span));
+        let number = self.calling_anew(|this| {
+            let value = this.eval(expr, &inner)?;
+            this.as_typed(value, Type::Float, expr.span)
+        });
         let number = match number {
             Ok(number) => number,
             Err(reported) => {

@@ -4,6 +4,7 @@
 //! made inside an `If` or a `Loop` is shared there and in the regions inside; one made outside is shared by all.
 
 use crate::constant::Constant;
+use crate::hash::MixMap;
 use crate::interval::Axis;
 use crate::program::{
     Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
@@ -17,13 +18,13 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Builder {
     function: Function,
-    leaves: FxHashMap<Node, Value>,
-    scopes: Vec<(RegionId, FxHashMap<Node, Value>)>,
+    leaves: MixMap<Node, Value>,
+    scopes: Vec<(RegionId, MixMap<Node, Value>)>,
     interned: FxHashMap<Vec<Value>, List>,
 }
 
 /// The regions that were open when they were [left](Builder::leave_regions), from the outermost.
-pub struct OpenRegions(Vec<(RegionId, FxHashMap<Node, Value>)>);
+pub struct OpenRegions(Vec<(RegionId, MixMap<Node, Value>)>);
 
 impl Builder {
     /// A function with these parameters and nothing in it.
@@ -45,8 +46,8 @@ impl Builder {
         };
         Builder {
             function,
-            leaves: FxHashMap::default(),
-            scopes: vec![(RegionId::ROOT, FxHashMap::default())],
+            leaves: MixMap::default(),
+            scopes: vec![(RegionId::ROOT, MixMap::default())],
             interned: FxHashMap::default(),
         }
     }
@@ -345,7 +346,7 @@ impl Builder {
     pub fn open_region(&mut self, arguments: &[Type]) -> RegionId {
         let id = RegionId(self.function.regions.len() as u32);
         self.function.regions.push(Region { arguments: arguments.to_vec(), ..Region::default() });
-        self.scopes.push((id, FxHashMap::default()));
+        self.scopes.push((id, MixMap::default()));
         id
     }
 

@@ -14,6 +14,7 @@ pub mod cost;
 mod dump;
 pub mod eval;
 pub mod gradient;
+pub mod hash;
 pub mod interval;
 pub mod number;
 pub mod program;

@@ -7,8 +7,8 @@
 
 use crate::build::Builder;
 use crate::copy::{Links, inline_whole, live};
+use crate::hash::MixMap;
 use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
-use rustc_hash::FxHashMap;
 
 /// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
 /// The entry and the roots keep their parameters and results.
@@ -38,7 +38,7 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
             ..Program::default()
         },
         callees: program.functions.iter().map(|_| None).collect(),
-        known: FxHashMap::default(),
+        known: MixMap::default(),
     };
     for (index, function) in program.functions.iter().enumerate().filter(|(index, _)| reached[*index]) {
         let id = FunctionId(index as u32);
@@ -100,7 +100,7 @@ struct Rebuild {
     program: Program,
     callees: Vec<Option<Callee>>,
     /// The functions so far, without the names that do not matter.
-    known: FxHashMap<Function, FunctionId>,
+    known: MixMap<Function, FunctionId>,
 }
 
 impl Links for Rebuild {

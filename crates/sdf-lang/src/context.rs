@@ -10,6 +10,7 @@ use crate::value::{Number, Repr};
 use rustc_hash::FxHashMap;
 use sdf_ir::build::OpenRegions;
 use sdf_ir::cost::Operations;
+use sdf_ir::hash::MixMap;
 use sdf_ir::interval::{Angle, Axis};
 use sdf_ir::{
     Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, RegionId, Rotation,
@@ -50,7 +51,7 @@ pub(crate) struct Aside(Context);
 pub(crate) struct Contexts {
     pub program: Program,
     stack: Vec<Context>,
-    finished: FxHashMap<Function, FunctionId>,
+    finished: MixMap<Function, FunctionId>,
     /// Which global a node of the frame is.
     globals: FxHashMap<sdf_ir::Value, u16>,
     global_values: Vec<sdf_ir::Value>,
@@ -86,7 +87,7 @@ impl Contexts {
                 arguments: Vec::new(),
                 serial: 0,
             }],
-            finished: FxHashMap::default(),
+            finished: MixMap::default(),
             globals: FxHashMap::default(),
             global_values: Vec::new(),
             frame_calls: false,

@@ -68,6 +68,10 @@ fn place<'a>(place: &Value, text: &'a str) -> (String, u64, u64, &'a str) {
 fn every_fixture_reads_the_same_in_each_format() {
     for fixture in fixtures() {
         let text = fs::read_to_string(&fixture).unwrap();
+        if fixture.ends_with("no_scene.sdf") {
+            // `check` takes it for a file that others import.
+            continue;
+        }
         let folder = folder(&text);
         let [human, short, json] = ["human", "short", "json"]
             .map(|format| run(folder.path(), &["check", "scene.sdf", "--message-format", format]));

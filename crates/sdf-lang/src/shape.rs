@@ -10,6 +10,10 @@ use sdf_syntax::tree::{Block, Dimension};
 use std::rc::Rc;
 use std::sync::Arc;
 
+/// How many shapes that have a name in the source stay functions of it. A reader looks at no more, and validators take
+/// time by the square of the number of functions.
+const MOST_NAMED: usize = 1500;
+
 impl<'t> Elaborator<'t> {
     /// The distance from a point to a shape. While the materials of the field round it are looked up, the
     /// sample is noted down.
@@ -149,6 +153,9 @@ impl<'t> Elaborator<'t> {
             let id = *id;
             let point = self.contexts.value(point);
             return Ok(self.contexts.call(id, &[Type::Float], &[point]).remove(0));
+        }
+        if matches!(thunk, Thunk::Let(_)) && self.shape_functions.len() >= MOST_NAMED {
+            return self.distance(inner, point, span);
         }
         let line = self.line(place);
         self.contexts.open(name, line);

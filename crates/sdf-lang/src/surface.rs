@@ -8,6 +8,7 @@ use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::ranges::{AT_LEAST_ONE, NOT_NEGATIVE, POSITIVE, Range, SHARE};
+use crate::scene::parts_of_union;
 use crate::signs::Signs;
 use crate::value::{Env, Material, Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Builder, Constant, Node, Ternary, Type, Unary};
@@ -114,6 +115,13 @@ enum Mix {
     Painted { columns: Vec<Number>, bare: Number },
 }
 
+/// The mix of the nearest one of several shapes, and its distance.
+struct Nearest {
+    size: Number,
+    columns: Vec<Number>,
+    bare: Number,
+}
+
 /// A sample with its material and its share of the field.
 struct Part {
     mix: Mix,
@@ -209,6 +217,9 @@ impl<'t> Elaborator<'t> {
         if !shape.painted {
             return Ok(Mix::Bare);
         }
+        if let parts @ [_, _, ..] = &parts_of_union(shape)[..] {
+            return self.mix_of_union(parts, point, normal, span);
+        }
         match &shape.kind {
             ShapeKind::Named { inner, .. } => self.mix(inner, point, normal, span),
             ShapeKind::Painted { shape: inner, material } => {
@@ -221,10 +232,7 @@ impl<'t> Elaborator<'t> {
                     }
                 }
             }
-            ShapeKind::Union { shapes } => {
-                let shapes = shapes.clone();
-                self.mix_samples(point, normal, span, move |this, p| this.union_distance(&shapes, p, span))
-            }
+            ShapeKind::Union { shapes } => self.mix_of_union(&shapes.clone(), point, normal, span),
             ShapeKind::Choice { condition, then, otherwise } => {
                 let (condition, then, otherwise) = (condition.clone(), then.clone(), otherwise.clone());
                 self.mix_samples(point, normal, span, move |this, p| {
@@ -395,7 +403,7 @@ impl<'t> Elaborator<'t> {
     /// The part whose distance is nearest to zero; a tool only where there is nothing else, since what an unpainted
     /// tool has carved, which is where no other part has a share, shows the carved body.
     fn nearest(&mut self, parts: &[Part]) -> Mix {
-        let mut best: Option<(Number, Vec<Number>, Number)> = None;
+        let mut best: Option<Nearest> = None;
         let only_tools = parts.iter().all(|p| p.is_tool);
         let mut signs = Signs::default();
         for part in parts.iter().filter(|p| only_tools || !p.is_tool) {
@@ -407,32 +415,53 @@ impl<'t> Elaborator<'t> {
                 let far = Number::float(crate::NOTHING);
                 size = self.contexts.apply(Op::Ternary(Ternary::Select), &[carves, far, size]);
             }
-            let (columns, bare) = match &part.mix {
-                Mix::Bare => (
-                    self.columns.iter().map(|c| Number::constant(zero_of(c.default()))).collect::<Vec<_>>(),
-                    Number::float(1.0),
-                ),
-                Mix::Painted { columns, bare } => (columns.clone(), bare.clone()),
-            };
-            best = Some(match best {
-                None => (size, columns, bare),
-                Some((best_size, best_columns, best_bare)) => {
-                    let keep = self
-                        .contexts
-                        .apply(Op::Binary(Binary::LessEqual), &[best_size.clone(), size.clone()]);
-                    let mut choose = |a: Number, b: Number| {
-                        self.contexts.apply(Op::Ternary(Ternary::Select), &[keep.clone(), a, b])
-                    };
-                    let columns = best_columns.into_iter().zip(columns).map(|(a, b)| choose(a, b)).collect();
-                    let bare = choose(best_bare, bare);
-                    (choose(best_size, size), columns, bare)
+            let mix = match &part.mix {
+                Mix::Bare => Mix::Bare,
+                Mix::Painted { columns, bare } => {
+                    Mix::Painted { columns: columns.clone(), bare: bare.clone() }
                 }
-            });
+            };
+            best = Some(self.keep_nearer(best, size, mix));
         }
         match best {
             None => Mix::Bare,
-            Some((_, columns, bare)) => Mix::Painted { columns, bare },
+            Some(Nearest { columns, bare, .. }) => Mix::Painted { columns, bare },
         }
+    }
+
+    /// The nearer one of two mixes; of those that are as near the first.
+    fn keep_nearer(&mut self, best: Option<Nearest>, size: Number, mix: Mix) -> Nearest {
+        let (columns, bare) = match mix {
+            Mix::Bare => {
+                let zeros = self.columns.iter().map(|c| Number::constant(zero_of(c.default())));
+                (zeros.collect(), Number::float(1.0))
+            }
+            Mix::Painted { columns, bare } => (columns, bare),
+        };
+        let Some(best) = best else { return Nearest { size, columns, bare } };
+        let keep = self.contexts.apply(Op::Binary(Binary::LessEqual), &[best.size.clone(), size.clone()]);
+        let mut choose =
+            |a: Number, b: Number| self.contexts.apply(Op::Ternary(Ternary::Select), &[keep.clone(), a, b]);
+        let columns = best.columns.into_iter().zip(columns).map(|(a, b)| choose(a, b)).collect();
+        let bare = choose(best.bare, bare);
+        Nearest { size: choose(best.size, size), columns, bare }
+    }
+
+    /// The mix of a union: that of the nearest shape, as the shares of `min` say.
+    fn mix_of_union(
+        &mut self,
+        shapes: &[Rc<Shape<'t>>],
+        point: &Number,
+        normal: &Number,
+        span: Span,
+    ) -> Eval<Mix> {
+        let mut best = None;
+        for shape in shapes {
+            let distance = self.sample(shape, point, span)?;
+            let mix = self.mix(shape, point, normal, span)?;
+            best = Some(self.keep_nearer(best, distance, mix));
+        }
+        Ok(best.map_or(Mix::Bare, |Nearest { columns, bare, .. }| Mix::Painted { columns, bare }))
     }
 
     /// The properties of a material at a point of a painted shape, one for each column in use.

@@ -25,6 +25,7 @@ const REFUSED: &[&str] = &[
     "field { rotate(p, (1, 2, 3), p.x)",
     "field { rotate(p.xy, p.z)",
     "field { fade(",
+    "field { twist_slope(",
 ];
 
 fn is_refused(call: &str) -> bool {

@@ -242,6 +242,11 @@ static FUNCTIONS: &[BuiltIn] = &[
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;
         e.gradient(shape, &point, span)
     }),
+    function("approach", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
+        let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
+        let point = e.widen(&number(a, 1), Type::Vec3, span)?;
+        e.approach(shape, &point, span)
+    }),
     function("stride", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
         let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;

@@ -384,7 +384,13 @@ pub(crate) fn no_slope(span: Span, is_bounded: bool) -> Diagnostic {
     };
     Diagnostic::new(Code::E052, span, "how steep this field is cannot be bounded")
         .label(why)
-        .help("state it before the `fn` or `let`: `@lipschitz(2)` if the field is nowhere steeper than 2")
+        .help(match is_bounded {
+            true => "state it before the `fn` or `let`: `@lipschitz(2)` if the field is nowhere steeper than 2",
+            false => {
+                "state before the `fn` or `let` what it fills, `@bounds((-1, -1, -1), (1, 1, 1))`, or how steep it \
+                 is, `@lipschitz(2)`"
+            }
+        })
 }
 
 pub(crate) fn misplaced_attribute(span: Span) -> Diagnostic {

@@ -179,6 +179,16 @@ impl<'t> Elaborator<'t> {
         Ok(Made { map: map_id, pixel, probe, query, facts, summary })
     }
 
+    /// Whether the step of a ray is ever shorter than the distance to a shape.
+    pub fn is_steep(&mut self) -> Eval<bool> {
+        for part in self.scene_parts.clone() {
+            if part.steep && self.slope_of(&part)?.everywhere > 1.0 {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
     /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
     /// axis that it is across, the side that it is on (1 or -1), and where it is in that direction.
     fn faces(&mut self) -> Eval<Value<'t>> {
@@ -364,7 +374,7 @@ impl<'t> Elaborator<'t> {
                 summary.effects.push(name);
             }
         }
-        if self.scene_parts.iter().any(|s| s.steep) {
+        if known("render", "steep") == Some(Constant::Bool(true)) {
             summary.effects.push("step correction");
         }
         if known("ambient", "occluded") == Some(Constant::Bool(true)) {

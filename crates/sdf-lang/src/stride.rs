@@ -17,32 +17,69 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 impl<'t> Elaborator<'t> {
-    /// `stride(s, p)`: a distance from `p` within which the shape certainly has no surface, as far as its slopes
-    /// are stated.
+    /// `stride(s, p)`: a distance from `p` within which the shape certainly has no surface.
     pub fn stride(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
-        if !shape.steep || !point.is_local() {
-            return self.sample(shape, point, span);
+        match self.approach(shape, point, span)? {
+            Value::Record(record) => match record.get("stride") {
+                Some(Value::Number(stride)) => Ok(stride.clone()),
+                _ => unreachable!("it was just made"),
+            },
+            _ => unreachable!("it was just made"),
+        }
+    }
+
+    /// `approach(s, p)`: the distance that the field gives at `p`, and the distance from there within which the shape
+    /// certainly has no surface; where the field is steep the latter is the smaller one.
+    pub fn approach(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
+        if !shape.steep || !point.is_local() || self.slope_of(shape)?.everywhere <= 1.0 {
+            let distance = self.sample(shape, point, span)?;
+            return Ok(approached(distance.clone(), distance));
         }
         let name: Arc<str> = match &shape.kind {
             ShapeKind::Named { name, .. } => Arc::from(format!("{name}_stride")),
             _ => Arc::from("stride"),
         };
         self.contexts.open(&name, None);
-        let doc = "How far a ray may step from p: the distance, over the slope where that is above 1.";
+        let doc =
+            "The distance at p, and how far a ray may step from there: over the slope where that is above 1.";
         self.contexts.describe(Some(Arc::from(doc)));
         let inside = self.contexts.parameter(&Arc::from("p"), point, true);
-        match self.safe_step(shape, &inside, span) {
-            Ok(step) => {
-                let form = Value::Number(step.clone());
-                match self.close_with(&name, &form, vec![step]) {
-                    Value::Number(n) => Ok(Number { name: None, ..n }),
-                    _ => unreachable!("a number comes back as one"),
-                }
+        let both = self
+            .safe_step(shape, &inside, span)
+            .and_then(|step| Ok((self.distance_of_parts(shape, &inside, span)?, step)));
+        match both {
+            Ok((distance, step)) => {
+                let form = approached(distance.clone(), step.clone());
+                Ok(self.close_with(&name, &form, vec![distance, step]))
             }
             Err(Reported) => {
                 self.contexts.discard();
                 Err(Reported)
             }
+        }
+    }
+
+    /// The distance to a shape from those of the parts of unions, which the step has sampled.
+    fn distance_of_parts(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
+        let parts = crate::scene::parts_of_union(shape);
+        if let [_, _, ..] = &parts[..] {
+            let mut nearest = Number::float(crate::NOTHING);
+            for (i, part) in parts.iter().enumerate() {
+                let distance = self.distance_of_parts(part, point, span)?;
+                nearest =
+                    if i == 0 { distance } else { self.binary(Binary::Min, &nearest, &distance, span)? };
+            }
+            return Ok(nearest);
+        }
+        match &shape.kind {
+            ShapeKind::Painted { shape, .. } => self.distance_of_parts(shape, point, span),
+            ShapeKind::Named { inner, .. } if matches!(inner.kind, ShapeKind::Union { .. }) => {
+                self.distance_of_parts(inner, point, span)
+            }
+            ShapeKind::Union { shapes } if shapes.len() == 1 => {
+                self.distance_of_parts(&shapes[0], point, span)
+            }
+            _ => self.sample(shape, point, span),
         }
     }
 
@@ -71,7 +108,8 @@ impl<'t> Elaborator<'t> {
                 if slope.everywhere <= 1.0 {
                     return Ok(distance);
                 }
-                if slope.wild {
+                let by_region = slope.has_better_region() && self.extent_of(shape, 0.0)?.is_bounded();
+                if slope.wild || by_region {
                     return self.step_by_region(shape, slope.within, point, &distance, span);
                 }
                 let slope = self.slope(shape, point, &distance, span)?;
@@ -248,4 +286,9 @@ impl<'t> Elaborator<'t> {
         }
         Ok(out)
     }
+}
+
+fn approached<'t>(distance: Number, stride: Number) -> Value<'t> {
+    let named = |name: &str, n: Number| (Arc::from(name), Value::Number(Number { name: None, ..n }));
+    Value::record(vec![named("distance", distance), named("stride", stride)])
 }

@@ -84,7 +84,10 @@ fn every_fixture_reads_the_same_in_each_format() {
             let (severity, code) = (message["severity"].as_str().unwrap(), message["code"].as_str().unwrap());
             let said = message["message"].as_str().unwrap();
             let help = message["help"].as_str().map_or(String::new(), |help| format!(" (help: {help})"));
-            assert_eq!(line, format!("{file}:{row}:{column}: {severity}[{code}]: {said}{help}"));
+            let whole = format!("{file}:{row}:{column}: {severity}[{code}]: {said}{help}");
+            // What is too long for a line is cut.
+            let is_cut = line.strip_suffix('…').is_some_and(|begin| whole.starts_with(begin));
+            assert!(line == whole || is_cut, "{line}");
             message["related"].as_array().unwrap().iter().for_each(|related| drop(place(related, &text)));
             // People see the same, in the same order, at the same line.
             for part in [format!("[{code}] {severity}: {said}"), format!("scene.sdf:{row}:")] {

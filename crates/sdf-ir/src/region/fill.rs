@@ -1,12 +1,12 @@
 //! The box that a shape fills: cells in which there is certainly nothing are dropped, those at the faces of what is
 //! left are split.
 
-use crate::region::Extent;
+use crate::region::{Extent, FAR};
 
-/// Half the size of the cube that is searched; what reaches its border counts as unbounded there.
+/// Half the size of the cube that is searched closely; beyond it cells are as large as they are far away.
 const REACH: f64 = 1_048_576.0;
-/// How many times all cells are halved along each axis before what touches the border counts as unbounded.
-const COARSE: usize = 5;
+/// How many times all finite cells are halved along each axis before only those at the faces are.
+const COARSE: usize = 3;
 /// How fine the cells at the faces get, as a share of the size of what they cover.
 const FINE: f64 = 0.01;
 /// The least size of a cell.
@@ -25,26 +25,63 @@ pub fn fill(
     if within.is_empty() {
         return Extent::NONE;
     }
-    let mut search =
-        Search { axes, asked: 0, budget, cells: vec![cube(axes, within)], open: [[false; 2]; 3] };
     let may_hold: &mut dyn FnMut(&Extent) -> bool = &mut may_hold;
+    // Along an axis that has no end at both sides nothing is to be found: it is left out of the search.
+    let mut searched: Vec<usize> = (0..axes).collect();
+    let mut asked = 0;
+    let mut search = loop {
+        let cells = space(&searched, within);
+        asked += cells.len();
+        let cells = cells.into_iter().filter(|cell| may_hold(cell)).collect();
+        let mut search = Search { axes, asked, budget: budget + asked, cells, open: [[false; 2]; 3] };
+        search.find_open();
+        let before = searched.len();
+        searched.retain(|axis| search.open[*axis] != [true, true]);
+        if searched.len() == before {
+            break search;
+        }
+    };
     for _ in 0..COARSE {
-        let wide = |s: &Search, cell: &Extent| (0..s.axes).filter(|i| cell.size()[*i] > 1.0).collect();
-        search.split(may_hold, |s, cell| wide(s, cell));
+        let wide = |s: &Search, cell: &Extent| -> Vec<usize> {
+            let is_near = |i: &usize| cell.lo[*i] >= -REACH && cell.hi[*i] <= REACH;
+            (0..s.axes).filter(is_near).filter(|i| cell.hi[*i] - cell.lo[*i] > 1.0).collect()
+        };
+        search.split(may_hold, wide);
     }
-    search.find_open(within);
+    search.find_open();
     while search.asked < search.budget && search.split_faces(may_hold) {}
-    search.cover(within)
+    search.cells.iter().copied().reduce(|a, b| a.union(&b)).unwrap_or(Extent::NONE)
 }
 
-/// The cube that is searched, as far as it lies within a box.
-fn cube(axes: usize, within: &Extent) -> Extent {
-    let mut cube = *within;
-    for i in 0..axes {
-        cube.lo[i] = cube.lo[i].max(-REACH);
-        cube.hi[i] = cube.hi[i].min(REACH);
+/// All that is to be searched: the cube in the middle, and shells round it, each twice as large as the one inside, as
+/// far as coordinates go; in so large a cell that is far away, more is known than in one without an end.
+fn space(axes: &[usize], within: &Extent) -> Vec<Extent> {
+    let mut out = thirds(axes, within, 0.0, REACH);
+    let mut inner = REACH;
+    while inner < FAR {
+        let outer = if 2.0 * inner < FAR { 2.0 * inner } else { f64::INFINITY };
+        out.extend(thirds(axes, within, inner, outer));
+        inner *= 2.0;
     }
-    cube
+    out
+}
+
+/// The cells between a cube and a larger one.
+fn thirds(axes: &[usize], within: &Extent, inner: f64, outer: f64) -> Vec<Extent> {
+    // Each with whether it lies beyond the inner cube along one of the axes so far.
+    let mut cells = vec![(*within, inner == 0.0)];
+    for axis in axes.iter().copied() {
+        let cut = |(cell, is_beyond): (Extent, bool)| {
+            let ends = [(-outer, -inner, true), (-inner, inner, is_beyond), (inner, outer, true)];
+            ends.into_iter().filter_map(move |(lo, hi, is_beyond)| {
+                let mut part = cell;
+                (part.lo[axis], part.hi[axis]) = (part.lo[axis].max(lo), part.hi[axis].min(hi));
+                (part.lo[axis] < part.hi[axis]).then_some((part, is_beyond))
+            })
+        };
+        cells = cells.into_iter().flat_map(cut).collect();
+    }
+    cells.into_iter().filter(|(_, is_beyond)| *is_beyond).map(|(cell, _)| cell).collect()
 }
 
 struct Search {
@@ -52,7 +89,7 @@ struct Search {
     asked: usize,
     budget: usize,
     cells: Vec<Extent>,
-    /// Whether what is left reaches the border of the cube, at the low and at the high end of each axis.
+    /// Whether what is left has no end, at the low and at the high side of each axis.
     open: [[bool; 2]; 3],
 }
 
@@ -83,28 +120,12 @@ impl Search {
         any
     }
 
-    /// Notes where what is left reaches the border. Along an axis that is open at both ends nothing is to be found.
-    fn find_open(&mut self, within: &Extent) {
+    /// Notes where what is left has no end.
+    fn find_open(&mut self) {
         for axis in 0..self.axes {
-            let reaches = |c: &Extent| [c.lo[axis] <= -REACH, c.hi[axis] >= REACH];
-            let infinite = [within.lo[axis] < -REACH, within.hi[axis] > REACH];
-            self.open[axis] =
-                [0, 1].map(|side| infinite[side] && self.cells.iter().any(|c| reaches(c)[side]));
+            let ends = |c: &Extent| [c.lo[axis].is_infinite(), c.hi[axis].is_infinite()];
+            self.open[axis] = [0, 1].map(|side| self.cells.iter().any(|c| ends(c)[side]));
         }
-        let whole: Vec<usize> = (0..self.axes).filter(|i| self.open[*i] == [true, true]).collect();
-        if whole.is_empty() {
-            return;
-        }
-        // Cells that differ only along such axes become one.
-        for cell in &mut self.cells {
-            for axis in &whole {
-                cell.lo[*axis] = f64::NEG_INFINITY;
-                cell.hi[*axis] = f64::INFINITY;
-            }
-        }
-        let key = |c: &Extent| c.lo.map(f64::to_bits);
-        self.cells.sort_by_key(key);
-        self.cells.dedup_by_key(|c| key(c));
     }
 
     /// Splits the cells at those faces that are not fine yet. Says whether there were any.
@@ -124,28 +145,12 @@ impl Search {
             let at_face = |i: usize| {
                 let low = cell.lo[i] <= all.lo[i] && !open[i][0];
                 let high = cell.hi[i] >= all.hi[i] && !open[i][1];
-                (low || high) && length(i) > fine[i]
+                (low || high) && length(i).is_finite() && length(i) > fine[i]
             };
             let least = (0..s.axes).filter(|i| at_face(*i)).map(length).fold(f64::INFINITY, f64::min);
             // What is as long in another direction is split there too: little is known of a long cell.
             (0..s.axes).filter(|i| at_face(*i) || (length(*i) >= least && length(*i).is_finite())).collect()
         })
-    }
-
-    /// The box round all cells, which has no end where it is open.
-    fn cover(&self, within: &Extent) -> Extent {
-        let Some(mut all) = self.cells.iter().copied().reduce(|a, b| a.union(&b)) else {
-            return Extent::NONE;
-        };
-        for axis in 0..self.axes {
-            if self.open[axis][0] || (all.lo[axis] <= -REACH && within.lo[axis] < -REACH) {
-                all.lo[axis] = f64::NEG_INFINITY;
-            }
-            if self.open[axis][1] || (all.hi[axis] >= REACH && within.hi[axis] > REACH) {
-                all.hi[axis] = f64::INFINITY;
-            }
-        }
-        all.intersection(within)
     }
 }
 
@@ -190,6 +195,21 @@ mod tests {
         close(&found, [-2.0, -inf, -1.0], [4.0, inf, 5.0]);
         let found = fill(3, &Extent::ALL, 60_000, |cell| cell.lo[1] <= 2.5);
         close(&found, [-inf, -inf, -inf], [inf, 2.5, inf]);
+    }
+
+    /// What leaves the cube in the middle slantwise has no end along any axis, although within it, it has.
+    #[test]
+    fn a_slanting_rod_has_no_end() {
+        let low = |cell: &Extent, i: usize| cell.lo[i].clamp(-1e30, 1e30);
+        let high = |cell: &Extent, i: usize| cell.hi[i].clamp(-1e30, 1e30);
+        // |y - x/1000| <= 1 and |z| <= 1
+        let rod = |cell: &Extent| {
+            let (lo, hi) = (low(cell, 1) - high(cell, 0) / 1000.0, high(cell, 1) - low(cell, 0) / 1000.0);
+            lo <= 1.0 && hi >= -1.0 && low(cell, 2) <= 1.0 && high(cell, 2) >= -1.0
+        };
+        let found = fill(3, &Extent::ALL, 60_000, rod);
+        let inf = f64::INFINITY;
+        close(&found, [-inf, -inf, -1.0], [inf, inf, 1.0]);
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! The steepest place of a box: the cell with the largest bound is split until the bounds are tight or the work is
 //! done.
 
-use crate::region::Extent;
+use crate::region::{Extent, FAR};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// How much above the steepest place that was seen a bound may lie and count as tight.
 const TIGHT: f64 = 1.02;
-/// The largest size of a piece of an infinite axis: a cell reaches farther only where it has no end.
+/// Where an infinite axis is cut first.
 const FAR_CELL: f64 = 1e6;
+/// The size from which on orders of magnitude count.
+const LEAST_CELL: f64 = 1e-2;
 
 /// What a field's slope is in a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,23 +60,33 @@ fn longest(axes: usize, cell: &Extent) -> Option<usize> {
     (size[axis] > 1e-9 * scale.max(1e-9)).then_some(axis)
 }
 
-/// The two parts of a cell; one without an end is cut where the numbers that scenes are made of end.
+/// The parts of a cell. One that reaches over many orders of magnitude is cut in the middle of those, one without an
+/// end first where the numbers that scenes are made of end.
 fn halves(cell: &Extent, axis: usize) -> Vec<Extent> {
     let (lo, hi) = (cell.lo[axis], cell.hi[axis]);
-    if lo.is_finite() && hi.is_finite() {
-        return cell.halves(axis).to_vec();
-    }
-    let cuts: Vec<f64> =
-        [lo, -FAR_CELL, FAR_CELL, hi].into_iter().filter(|x| (lo..=hi).contains(x)).collect();
-    if cuts.len() < 3 {
-        return vec![*cell];
-    }
+    let cuts: Vec<f64> = if lo < 0.0 && hi > 0.0 {
+        if lo.is_infinite() || hi.is_infinite() {
+            vec![-FAR_CELL, FAR_CELL]
+        } else {
+            vec![lo + (hi - lo) / 2.0]
+        }
+    } else {
+        let (near, far) = (lo.abs().min(hi.abs()), lo.abs().max(hi.abs()).min(FAR));
+        let magnitude = if far > 8.0 * near.max(LEAST_CELL) {
+            (near.max(LEAST_CELL) * far).sqrt()
+        } else {
+            (near + far) / 2.0
+        };
+        vec![if lo < 0.0 { -magnitude } else { magnitude }]
+    };
+    let inside = cuts.into_iter().filter(|x| lo < *x && *x < hi);
+    let ends: Vec<f64> = [lo].into_iter().chain(inside).chain([hi]).collect();
     let part = |ends: &[f64]| {
         let mut part = *cell;
         (part.lo[axis], part.hi[axis]) = (ends[0], ends[1]);
         part
     };
-    cuts.windows(2).map(part).collect()
+    ends.windows(2).map(part).collect()
 }
 
 struct Cell {

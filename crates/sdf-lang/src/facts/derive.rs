@@ -7,10 +7,10 @@ use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::listing::parts;
-use crate::facts::promise::{bounds_of_cell, ended};
+use crate::facts::promise::bounds_of_cell;
 use crate::facts::{Slope, flat};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
-use sdf_ir::interval::{Bounds, Sloped, Walker};
+use sdf_ir::interval::{Bounds, Interval, Sloped, Walker};
 use sdf_ir::region::{Extent, Steepness, fill, steepest};
 use sdf_ir::{Function, Node, Program, RegionId, Type};
 use sdf_syntax::tree::{Block, Dimension};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// How often the search for a box may ask.
 const FILL: usize = 4000;
 /// How often the search for the steepest place of all of space may ask.
-const EVERYWHERE: usize = 40;
+const EVERYWHERE: usize = 300;
 /// How often the search for the steepest place of a region may ask.
 const WITHIN: usize = 600;
 /// How many operations one search may take: with a longer formula it asks less often, and finds less.
@@ -29,6 +29,8 @@ const WORK: u64 = 1_000_000;
 const LEAST: u64 = 48;
 /// Of a formula that takes more operations nothing is asked.
 const LARGEST_FORMULA: u64 = 200_000;
+/// The steepest slope that is of any use.
+const STEEPEST: f64 = 1e6;
 /// A bound so little above 1 comes from the proof's own rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -63,6 +65,40 @@ struct Sampled {
     slope: f64,
     /// Whether its shape must not be trusted everywhere.
     wild: bool,
+    /// The box of its shape; outside of it the distance is above 0.
+    extent: Extent,
+    /// Whether the distance is no less than that to the box there.
+    is_exact: bool,
+}
+
+impl Sampled {
+    /// The least that the distance can be where the shape is sampled at any of these points.
+    fn least(&self, at: &Bounds) -> f64 {
+        let away = distance_to_box(at, &self.extent);
+        match away > 0.0 {
+            true if self.is_exact => away,
+            true => f64::MIN_POSITIVE,
+            false => f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// The least distance from any of these points to a box; of a vector that was turned its length is known, and how
+/// long two of its components are together, where the components are not.
+fn distance_to_box(at: &Bounds, extent: &Extent) -> f64 {
+    if extent.is_empty() {
+        return f64::INFINITY;
+    }
+    let farthest = |axes: &[usize]| {
+        axes.iter().map(|i| extent.lo[*i].abs().max(extent.hi[*i].abs()).powi(2)).sum::<f64>().sqrt()
+    };
+    let gap = |i: usize| (extent.lo[i] - at.part(i).hi).max(at.part(i).lo - extent.hi[i]).max(0.0);
+    let axes = at.size();
+    let by_components = (0..axes).map(|i| gap(i).powi(2)).sum::<f64>().sqrt();
+    let by_length = at.length().lo - farthest(&[0, 1, 2][..axes]);
+    let by_pairs =
+        (0..3).filter(|_| axes == 3).map(|i| at.across(i).lo - farthest(&[(i + 1) % 3, (i + 2) % 3]));
+    by_pairs.chain([by_components, by_length]).fold(0.0, f64::max) * (1.0 - 1e-12)
 }
 
 /// How a field's slope follows from those of the shapes that it samples.
@@ -128,8 +164,22 @@ impl<'t> Elaborator<'t> {
         let Some(formula) = self.formula(shape)? else { return Ok(all) };
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
-        let mut walker = Walker::<Bounds>::new(program, &formula.whole, &uniforms, &globals);
-        let mut least = |cell: &Extent| walker.run(&[bounds_of_cell(cell, formula.ty)])[0].number().lo;
+        let walker = |function| Walker::<Bounds>::new(program, function, &uniforms, &globals);
+        let (mut whole, mut outer, mut inner) =
+            (walker(&formula.whole), walker(&formula.outer), walker(&formula.inner));
+        let mut least = |cell: &Extent| {
+            let point = bounds_of_cell(cell, formula.ty);
+            let mut arguments = outer.run(&[point]).to_vec();
+            let points = arguments.split_off(formula.inner.parameters.len());
+            for (sample, at) in formula.samples.iter().zip(&points) {
+                let argument = &mut arguments[sample.argument];
+                let distance = argument.number();
+                // Above what it can be it would only be if a promise were false.
+                let least = distance.lo.max(sample.least(at)).min(distance.hi);
+                *argument = Bounds::float(Interval::new(least, distance.hi));
+            }
+            inner.run(&arguments)[0].number().lo.max(whole.run(&[point])[0].number().lo)
+        };
         let may_hold = |cell: &Extent| {
             if least(cell) > level {
                 return false;
@@ -220,13 +270,14 @@ impl<'t> Elaborator<'t> {
             let Node::Argument(RegionId::ROOT, argument) = inner.node(stand_in) else {
                 unreachable!("a stand-in is an argument")
             };
-            let (slope, wild) = if depends_on_a_point_inside(&shape) {
-                (f64::INFINITY, true)
+            let argument = argument as usize;
+            samples.push(if depends_on_a_point_inside(&shape) {
+                Sampled { argument, slope: f64::INFINITY, wild: true, extent: Extent::ALL, is_exact: false }
             } else {
-                let slope = self.slope_of(&shape)?;
-                (slope.everywhere, slope.wild)
-            };
-            samples.push(Sampled { argument: argument as usize, slope, wild });
+                let (slope, extent) = (self.slope_of(&shape)?, self.extent_of(&shape, 0.0)?);
+                let is_exact = slope.quality == Some(Quality::Exact);
+                Sampled { argument, slope: slope.everywhere, wild: slope.wild, extent, is_exact }
+            });
         }
         Ok(Some(Formula { ty, whole, outer, inner, samples, operations }))
     }
@@ -309,7 +360,7 @@ impl<'a> Walk<'a> {
             }
         }
         let composed = self.inner.run(&arguments)[0].norm();
-        ended(composed.min(self.whole.run(&[point])[0].norm()))
+        useful(composed.min(self.whole.run(&[point])[0].norm()))
     }
 
     /// A bound on the slope in a cell if no sampled shape were steeper than 1, and on how fast the places move at
@@ -323,8 +374,13 @@ impl<'a> Walk<'a> {
             *argument = Sloped::within(argument.bounds, at.norm());
         }
         let places = points.iter().map(Sloped::norm).fold(1.0, f64::max);
-        (ended(self.inner.run(&arguments)[0].norm()), ended(places))
+        (useful(self.inner.run(&arguments)[0].norm()), useful(places))
     }
+}
+
+/// A slope that no ray could take steps by is none: it comes from intervals that know nothing far away.
+fn useful(slope: f64) -> f64 {
+    if slope < STEEPEST { slope } else { f64::INFINITY }
 }
 
 /// The shape without its name and paint.

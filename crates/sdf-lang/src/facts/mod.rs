@@ -44,6 +44,11 @@ impl Slope {
         Slope { quality: Some(quality), everywhere: 1.0, within: 1.0, wild: false }
     }
 
+    /// Whether it is worth while to ask first whether a point is in the region.
+    pub fn has_better_region(&self) -> bool {
+        self.everywhere.is_finite() && self.within.max(1.0) * 1.5 < self.everywhere
+    }
+
     /// That of a field that is nowhere steeper than the steeper of two.
     fn or(self, other: Slope) -> Slope {
         Slope {
@@ -164,10 +169,10 @@ impl<'t> Elaborator<'t> {
     fn stated_slope(&mut self, shape: &Rc<Shape<'t>>, stated: &Stated<'t>) -> Eval<Option<Slope>> {
         if let Some((quality, _)) = stated.contract.quality {
             let worst = self.steepest_of(quality, &shapes_in(&stated.env))?;
-            if worst.everywhere.is_finite() {
+            if worst.everywhere.is_finite() && !worst.has_better_region() {
                 return Ok(Some(worst));
             }
-            let within = self.derived_within(shape)?;
+            let within = self.derived_within(shape)?.min(worst.everywhere);
             return Ok(Some(Slope { within, ..worst }));
         }
         let Some((slope, _)) = stated.contract.slope else { return Ok(None) };

@@ -6,7 +6,7 @@ use crate::facts::{Stated, flat};
 use crate::value::{Env, Fields, List, Module, Number, Repr, Value};
 use sdf_ir::interval::{Bounds, Interval, Walker, bounds_of_uniform};
 use sdf_ir::number::LARGEST;
-use sdf_ir::region::Extent;
+use sdf_ir::region::{Extent, FAR};
 use sdf_ir::{Constant, Type};
 use sdf_syntax::tree::{Dimension, Expr, Function};
 use std::rc::Rc;
@@ -142,16 +142,16 @@ impl<'t> Elaborator<'t> {
     }
 }
 
-/// The points of a cell.
+/// The points of a cell; no coordinate is farther away than is promised.
 pub(crate) fn bounds_of_cell(cell: &Extent, ty: Type) -> Bounds {
-    let far = |x: f64| x.clamp(-LARGEST, LARGEST);
+    let far = |x: f64| x.clamp(-FAR, FAR);
     let components: Vec<Interval> =
         (0..ty.size()).map(|i| Interval::new(far(cell.lo[i]), far(cell.hi[i]))).collect();
     Bounds::vector(&components)
 }
 
 /// What no number of the language is counts as infinite.
-pub(crate) fn ended(x: f64) -> f64 {
+fn ended(x: f64) -> f64 {
     if x < LARGEST / 2.0 { x } else { f64::INFINITY }
 }
 

@@ -99,8 +99,8 @@ fn promises_that_do_not_hold_are_mistakes() {
 
 #[test]
 fn what_has_neither_a_box_nor_a_slope_is_a_mistake() {
-    let said = "E052: how steep this field is cannot be bounded; state it before the `fn` or `let`: \
-                `@lipschitz(2)` if the field is nowhere steeper than 2";
+    let said = "E052: how steep this field is cannot be bounded; state before the `fn` or `let` what it fills, \
+                `@bounds((-1, -1, -1), (1, 1, 1))`, or how steep it is, `@lipschitz(2)`";
     check("scene { field { floor(p.x) + p.y } }", &[said]);
     check("scene { field { p.x * p.y } }", &[said]);
     check("let ok = field { sin(p.x) + p.y } scene { ok }", &[]);

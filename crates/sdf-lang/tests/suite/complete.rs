@@ -90,6 +90,12 @@ const FUNCTIONS: &[(&str, &str, [f64; 3], f64)] = &[
         [0.0, 3.0, 0.0],
         3.0,
     ),
+    (
+        "approach",
+        "approach(ball, (a, b, c)).distance + approach(ball, (a, b, c)).stride * 10",
+        [0.0, 3.0, 0.0],
+        22.0,
+    ),
     ("stride", "stride(ball, (a, b, c))", [0.0, 3.0, 0.0], 2.0),
     (
         "surface",

@@ -195,7 +195,7 @@ fn equal_calls_are_carried_out_once() {
          scene { ball(40) }"
             .to_string(),
         "fn g(n) = if n == 0 { x } else { g(n - 1) + g(n - 1) + g(n - 1) } scene { sphere(g(30).x) }".into(),
-        "fn g(n, a) = if n == 0 { a } else { g(n - 1, a) + g(n - 1, a) } scene { field { length(p) - g(60, p.x) } }"
+        "fn g(n, a) = if n == 0 { a } else { g(n - 1, a) + g(n - 1, a) } scene { field { length(p) - 1e-19 * g(60, p.x) } }"
             .into(),
         "let f = |g, n| if n == 0 { 1 } else { g(g, n - 1) * g(g, n - 1) } scene { sphere(f(f, 40)) }".into(),
         definitions("let r0 = 1\n", |i| format!("let r{} = (a: r{i}, b: r{i})\n", i + 1))

@@ -112,7 +112,9 @@ fn distances() {
         ("lump.round(0.1)", |p| lump(p) - 0.1),
         ("lump.shell(0.1)", |p| lump(p).abs() - 0.05),
         ("lump.elongate(0.3, 0, 0.5)", |[x, y, z]| lump([x - x.clamp(-0.3, 0.3), y, z - z.clamp(-0.5, 0.5)])),
-        ("lump.displace(|p| 0.1 * p.x * p.y)", |p| lump(p) + 0.1 * p[0] * p[1]),
+        ("lump.displace(|p| 0.1 * sin(3 * p.x) * p.y.cos())", |p| {
+            lump(p) + 0.1 * (3.0 * p[0]).sin() * p[1].cos()
+        }),
         ("lump.displace(|q| { let k = q.z; k * 0.1 })", |p| lump(p) + 0.1 * p[2]),
     ]);
 }

@@ -79,7 +79,8 @@ fn what_a_file_names_stays_a_function_of_its_name() {
         scene { core.twist(1), pillar(0.2, 2).at(3, 0, 0), pillar(0.1, 1).at(-3, 0, 0), ring.hollow(0.02) }";
     let scene = scene(text);
     let reached = Reached::of(&scene);
-    for name in ["map", "core", "pillar", "ring", "hollow", "sd_cylinder", "sd_torus", "sd_box", "sd_sphere"]
+    for name in
+        ["map_stride", "core", "pillar", "ring", "hollow", "sd_cylinder", "sd_torus", "sd_box", "sd_sphere"]
     {
         assert_eq!(reached.count(name), 1, "`{name}` among {:?}", reached.names());
     }
@@ -87,7 +88,7 @@ fn what_a_file_names_stays_a_function_of_its_name() {
     let parameters: Vec<&str> = pillar.parameters.iter().map(|p| &*p.name).collect();
     assert_eq!(parameters, ["p", "r", "h"]);
     assert_eq!(pillar.line, Some(2));
-    let calls = nodes_of(&scene, "map").iter().filter(|n| matches!(n, Node::Call(..))).count();
+    let calls = nodes_of(&scene, "map_stride").iter().filter(|n| matches!(n, Node::Call(..))).count();
     assert!(calls >= 4, "the map calls what the file names: {calls}");
 }
 

@@ -376,6 +376,15 @@ fn short(x: f64) -> String {
     if rounded == "0" && x != 0.0 || rounded == "-0" { format!("{x:.1e}") } else { rounded.to_string() }
 }
 
+/// Steps so short that rays may not arrive.
+pub(crate) fn very_steep(span: Span, slope: f64) -> Diagnostic {
+    let message =
+        format!("this field may be as steep as {}, so that rays take very small steps", short(slope));
+    Diagnostic::new(Code::W004, span, message)
+        .label("rays may run out of steps on their way to it")
+        .help("state its slope if you know that it is less, for example `@lipschitz(2)`, or raise `steps`")
+}
+
 /// Neither a box nor a slope: a ray could not know how far it may step.
 pub(crate) fn no_slope(span: Span, is_bounded: bool) -> Diagnostic {
     let why = match is_bounded {

@@ -16,6 +16,9 @@ use sdf_syntax::tree::{Dimension, Expr};
 use std::rc::Rc;
 use std::sync::Arc;
 
+/// A slope from which on a ray is likely to run out of steps.
+const VERY_STEEP: f64 = 32.0;
+
 impl<'t> Elaborator<'t> {
     /// `stride(s, p)`: a distance from `p` within which the shape certainly has no surface.
     pub fn stride(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
@@ -109,6 +112,10 @@ impl<'t> Elaborator<'t> {
                     return Ok(distance);
                 }
                 let by_region = slope.has_better_region() && self.extent_of(shape, 0.0)?.is_bounded();
+                let constant = if slope.wild || by_region { slope.within } else { slope.everywhere };
+                if constant.is_finite() && constant > VERY_STEEP {
+                    self.warn(errors::very_steep(shape.place, constant));
+                }
                 if slope.wild || by_region {
                     return self.step_by_region(shape, slope.within, point, &distance, span);
                 }

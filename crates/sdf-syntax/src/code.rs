@@ -83,6 +83,7 @@ codes! {
     W001 "a scene that costs more than a shader can spend"
     W002 "a param that can break what is required"
     W003 "an angle that looks like degrees"
+    W004 "a field so steep that rays take very small steps"
 }
 
 impl Code {

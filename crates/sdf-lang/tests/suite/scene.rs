@@ -35,7 +35,7 @@ pub fn scene(text: &str) -> Scene {
 /// The same with params set.
 pub fn scene_set(text: &str, set: &[(&str, &str)]) -> Scene {
     let compilation = compile(text, set);
-    assert!(compilation.diagnostics.is_empty(), "{:#?}\nin\n{text}", compilation.diagnostics);
+    assert!(!compilation.has_errors(), "{:#?}\nin\n{text}", compilation.diagnostics);
     compilation.scene.expect("a scene without errors")
 }
 

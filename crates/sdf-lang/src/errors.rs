@@ -47,8 +47,14 @@ pub(crate) fn cycle(span: Span, path: &[String], places: &[Span]) -> Diagnostic 
     d.help("break the circle")
 }
 
+/// How many characters of a path a message quotes.
+const LONGEST_PATH: usize = 100;
+
 pub(crate) fn import_refused(span: Span, path: &str, refusal: &Refusal) -> Diagnostic {
-    let d = Diagnostic::new(Code::E024, span, format!("cannot import `{path}`: {}", refusal.message));
+    // The name stands at the place; a very long one would hide what is said of it.
+    let shown: String = path.chars().take(LONGEST_PATH).collect();
+    let more = if shown.len() < path.len() { "…" } else { "" };
+    let d = Diagnostic::new(Code::E024, span, format!("cannot import `{shown}{more}`: {}", refusal.message));
     match &refusal.help {
         Some(help) => d.help(help.clone()),
         None => d,

@@ -98,7 +98,7 @@ fn slopes_come_from_contracts_or_from_the_formula() {
             "own",
             Class::Steep,
             twist(0.5),
-            twist(0.9),
+            twist(1.0),
         ),
         (
             "fn turn(s: shape) = field { s(rotate(p, y, time)) } scene { turn(box(1)) }",

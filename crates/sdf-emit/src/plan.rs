@@ -214,6 +214,9 @@ struct Measure<'a> {
     size: Vec<Size>,
 }
 
+/// From how many operands on each gets a name.
+const MANY: usize = 64;
+
 impl Measure<'_> {
     fn region(&mut self, order: &[Vec<Value>], region: RegionId) {
         for &v in &order[region.0 as usize] {
@@ -241,6 +244,13 @@ impl Measure<'_> {
     /// The size of an operation's text, after naming as many operands as needed.
     fn expression(&mut self, value: Value) -> Size {
         let operands = occurrences(self.function, value);
+        if operands.len() > MANY {
+            // A call that passes on hundreds of numbers: looking for the largest again and again would take the square
+            // of their number.
+            for operand in operands.iter().map(|v| carrier(self.function, *v)) {
+                self.named[operand.0 as usize] |= self.home[operand.0 as usize].is_some();
+            }
+        }
         loop {
             let size = self.combine(value, &operands);
             let key: fn(Size) -> u32 = match size {

@@ -22,6 +22,8 @@ pub(crate) type Eval<T> = Result<T, Reported>;
 
 /// How deep calls of functions may nest inside calls of the same functions.
 const RECURSION_LIMIT: u32 = 256;
+/// How many expressions of a loop's round are allowed for all its rounds; a longer one may be an expansion.
+const LONGEST_ROUND: usize = 1000;
 /// How deep calls of any functions may nest.
 const CALL_LIMIT: u32 = 1024;
 /// How many elements a loop or list may have.
@@ -73,6 +75,8 @@ pub(crate) struct Elaborator<'t> {
     pub calls: u32,
     /// Whether what is evaluated is inside a loop of `iterate`.
     pub in_loop: bool,
+    /// Whether what is evaluated is inside a `for`.
+    pub in_for: bool,
     /// The expressions evaluated so far.
     pub work: usize,
     /// How many may be.
@@ -204,10 +208,17 @@ impl<'t> Elaborator<'t> {
                 let count = items.len();
                 let mut out = Vec::with_capacity(count);
                 let is_alike = self.is_trial && count > 1 && self.is_inert_in(&name.text, body);
+                let was_in_for = std::mem::replace(&mut self.in_for, true);
                 for item in items {
                     let inner = env.bind(name.text.clone(), item);
                     let before = self.spent();
-                    out.push(self.block(body, &inner)?);
+                    let value = self.block(body, &inner);
+                    if out.is_empty() && !was_in_for {
+                        // What the rounds of a loop take that stands in no other is known beforehand.
+                        let round = ((self.spent() - before) as usize).min(LONGEST_ROUND);
+                        self.work_limit += round * (count - 1);
+                    }
+                    out.push(value.inspect_err(|_| self.in_for = was_in_for)?);
                     if is_alike {
                         let rest = count - 1;
                         self.skip(self.spent() - before, rest as u64);
@@ -215,6 +226,7 @@ impl<'t> Elaborator<'t> {
                         break;
                     }
                 }
+                self.in_for = was_in_for;
                 self.list(out, |_| body.result.span)
             }
             ExprKind::Lambda(lambda) => {

@@ -52,6 +52,7 @@ pub(crate) fn elaborate(
         work: 0,
         work_limit: 0,
         in_loop: false,
+        in_for: false,
         is_trial: false,
         skipped: 0,
         inert: None,

@@ -6,6 +6,7 @@
 use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
+use crate::expansion::OPERATION_LIMIT;
 use crate::facts::listing::parts;
 use crate::facts::promise::bounds_of_cell;
 use crate::facts::{Slope, flat};
@@ -26,9 +27,9 @@ const WITHIN: usize = 600;
 /// How many operations one search may take: with a longer formula it asks less often, and finds less.
 const WORK: u64 = 1_000_000;
 /// How often it may ask at least.
-const LEAST: u64 = 48;
-/// Of a formula that takes more operations nothing is asked.
-const LARGEST_FORMULA: u64 = 200_000;
+const LEAST: u64 = 8;
+/// Of a formula that takes more operations no box is sought, which takes a thousand answers.
+const LARGEST_SEARCHED: u64 = 5_000;
 /// The steepest slope that is of any use.
 const STEEPEST: f64 = 1e6;
 /// A bound so little above 1 comes from the proof's own rounding.
@@ -161,7 +162,8 @@ impl<'t> Elaborator<'t> {
     pub fn derived_extent(&mut self, shape: &Rc<Shape<'t>>, level: f64) -> Eval<Extent> {
         let all = flat(Extent::ALL, shape.dimension);
         let everywhere = self.slope_before_extent(shape)?;
-        let Some(formula) = self.formula(shape)? else { return Ok(all) };
+        let formula = self.formula(shape)?.filter(|formula| formula.operations <= LARGEST_SEARCHED);
+        let Some(formula) = formula else { return Ok(all) };
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
         let walker = |function| Walker::<Bounds>::new(program, function, &uniforms, &globals);
@@ -254,7 +256,8 @@ impl<'t> Elaborator<'t> {
             return Ok(None);
         };
         let operations = self.contexts.operations_apart(&whole);
-        if operations > LARGEST_FORMULA {
+        if operations > OPERATION_LIMIT {
+            // It is refused for that.
             return Ok(None);
         }
         let made = self.apart(ty, |this, point| {

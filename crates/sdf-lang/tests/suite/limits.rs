@@ -266,6 +266,14 @@ fn ways(n: usize) -> Vec<(&'static str, String)> {
     ]
 }
 
+/// A long loop inside of a field is what it is.
+#[test]
+fn a_long_loop_in_a_field_is_no_expansion() {
+    let field = "min(for i in 0..20000 { length(p - (hash(i), hash(i + 0.5), hash(i + 0.25)) * 50) - 0.2 })";
+    let scene = scene(&format!("camera {{ eye: (99, 0, 0) }} scene {{ field {{ {field} }} }}"));
+    assert!(sdf_ir::cost::operations(&scene.program, scene.map.unwrap()) > 200_000);
+}
+
 /// The slope of a line through points: the exponent of a power, where these are logarithms.
 fn slope(points: &[(f64, f64)]) -> f64 {
     let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;

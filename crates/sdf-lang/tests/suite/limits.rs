@@ -270,7 +270,7 @@ fn ways(n: usize) -> Vec<(&'static str, String)> {
 #[test]
 fn a_long_loop_in_a_field_is_no_expansion() {
     let field = "min(for i in 0..20000 { length(p - (hash(i), hash(i + 0.5), hash(i + 0.25)) * 50) - 0.2 })";
-    let scene = scene(&format!("camera {{ eye: (99, 0, 0) }} scene {{ field {{ {field} }} }}"));
+    let scene = crate::scene::scene(&format!("camera {{ eye: (99, 0, 0) }} scene {{ field {{ {field} }} }}"));
     assert!(sdf_ir::cost::operations(&scene.program, scene.map.unwrap()) > 200_000);
 }
 

@@ -341,6 +341,9 @@ pub(crate) fn unknown_attribute(name: &Name, similar: Option<&str>, all: &[&str]
     }
 }
 
+/// How many times steeper than promised looks like a jump: between points that are 1e-4 apart any jump is very steep.
+const JUMP: f64 = 50.0;
+
 /// A promise that does not hold, at the attribute that makes it.
 pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
     let point = |p: &[f64; 3]| format!("({}, {}, {})", short(p[0]), short(p[1]), short(p[2]));
@@ -353,10 +356,13 @@ pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
                 point(b),
                 short(*promised)
             ),
-            format!(
-                "state what it is at most, for example `@lipschitz({})`",
-                short((slope * 11.0).ceil() / 10.0)
-            ),
+            if *slope > JUMP * promised.max(1.0) {
+                "it seems to jump there, and no slope is enough for that: write it without the jump"
+                    .to_string()
+            } else {
+                let enough = short((slope * 11.0).ceil() / 10.0);
+                format!("state what it is at most, for example `@lipschitz({enough})`")
+            },
         ),
         Broken::Bounds { at } => (
             format!("the shape has a point outside of this box, at {}", point(at)),

@@ -22,8 +22,8 @@ pub(crate) type Eval<T> = Result<T, Reported>;
 
 /// How deep calls of functions may nest inside calls of the same functions.
 const RECURSION_LIMIT: u32 = 256;
-/// How many expressions of a loop's round are allowed for all its rounds; a longer one may be an expansion.
-const LONGEST_ROUND: usize = 1000;
+/// How many expressions a loop may take besides what is allowed anyway; a longer one may be an expansion.
+const LONGEST_LOOP: usize = 1_000_000;
 /// How deep calls of any functions may nest.
 const CALL_LIMIT: u32 = 1024;
 /// How many elements a loop or list may have.
@@ -215,8 +215,8 @@ impl<'t> Elaborator<'t> {
                     let value = self.block(body, &inner);
                     if out.is_empty() && !was_in_for {
                         // What the rounds of a loop take that stands in no other is known beforehand.
-                        let round = ((self.spent() - before) as usize).min(LONGEST_ROUND);
-                        self.work_limit += round * (count - 1);
+                        let round = (self.spent() - before) as usize;
+                        self.work_limit += round.saturating_mul(count - 1).min(LONGEST_LOOP);
                     }
                     out.push(value.inspect_err(|_| self.in_for = was_in_for)?);
                     if is_alike {

@@ -21,6 +21,8 @@ const REACH: f64 = 16.0;
 const DISTANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// By how much a slope may exceed what is promised: the rounding of the difference of two distances.
 const SLACK: f64 = 1e-6;
+/// How often the way between two points is halved to see whether the field jumps there.
+const HALVINGS: usize = 20;
 /// For how many values of the params, and times, the points are tried.
 const FRAMES: usize = 4;
 
@@ -167,7 +169,31 @@ impl Attacked {
                 }
             }
         }
-        worst.map(|(slope, i, b)| Broken::Slope { a: points[i], b, slope, promised })
+        worst.map(|(_, i, b)| {
+            let (a, b, slope) = self.steepest_part(uniforms, points[i], b);
+            Broken::Slope { a, b, slope, promised }
+        })
+    }
+
+    /// The steeper half of the way between two points, again and again: a jump between them gets steeper without end.
+    fn steepest_part(
+        &self,
+        uniforms: &[Constant],
+        mut a: [f64; 3],
+        mut b: [f64; 3],
+    ) -> ([f64; 3], [f64; 3], f64) {
+        let mut best = (a, b, 0.0);
+        for _ in 0..HALVINGS {
+            let middle: [f64; 3] = std::array::from_fn(|i| (a[i] + b[i]) / 2.0);
+            let d = self.distances(uniforms, &[a, middle, b]);
+            let length = (0..self.axes).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+            let slope = (d[2] - d[0]).abs() / length;
+            if slope > best.2 {
+                best = (a, b, slope);
+            }
+            (a, b) = if (d[1] - d[0]).abs() > (d[2] - d[1]).abs() { (a, middle) } else { (middle, b) };
+        }
+        best
     }
 
     /// A point outside from which the way along the gradient does not end on the surface. Points at which the

@@ -91,6 +91,10 @@ fn promises_that_do_not_hold_are_mistakes() {
         "param r = 1 in 1..3 @bounds(-2, 2) fn f() = sphere(r) scene { f() }",
         &["E053: the shape has a point outside of this box, at "],
     );
+    // A jump is no slope.
+    let jump = "@lipschitz(2) let steps = field { length(p) - 1 + 0.3 * step(0, p.x) } scene { steps }";
+    let found = findings(jump);
+    assert!(found[0].ends_with("no slope is enough for that: write it without the jump"), "{found:?}");
     // What is promised of a function is not promised of the fields inside it.
     let inner = "fn f() { let inner = field { 3 * (length(p) - 1) }; inner.scale(2) } scene { f() }";
     begins(&format!("@bound {inner}"), &["E053: the slope of this field is 2.9"]);

@@ -18,7 +18,7 @@ pub(crate) const OPERATION_LIMIT: u64 = 1_000_000;
 const FREE_WORK: usize = 1_500_000;
 /// How many may be evaluated to write shapes out, besides those that they are known to need: what bounds the time of
 /// an expansion of numbers inside a field.
-const FREE_WORK_INSIDE: usize = 200_000;
+const FREE_WORK_INSIDE: usize = 100_000;
 /// How often a shape's expressions are evaluated at most: for the map, its materials, the frame and the camera, each
 /// of them again in the functions that are named after it.
 const TIMES: u64 = 256;

@@ -204,15 +204,19 @@ static FUNCTIONS: &[BuiltIn] = &[
     }),
     function("map", &[("list", LIST), ("f", FN)], |e, a, span| {
         let (Some(Value::List(list)), Some(f)) = (&a[0], &a[1]) else { unreachable!("fits") };
-        let items: Eval<Vec<_>> =
-            list.items.iter().map(|v| e.call_function(f, vec![v.clone()], span)).collect();
+        let rounds = list.items.iter().enumerate();
+        let items: Eval<Vec<_>> = rounds
+            .map(|(i, v)| e.round(i, list.items.len(), |e| e.call_function(f, vec![v.clone()], span)))
+            .collect();
         Ok(Value::list(items?))
     }),
     function("fold", &[("list", LIST), ("first", SlotKind::Any), ("f", FN)], |e, a, span| {
         let (Some(Value::List(list)), Some(first), Some(f)) = (&a[0], &a[1], &a[2]) else {
             unreachable!("fits")
         };
-        list.items.iter().try_fold(first.clone(), |acc, v| e.call_function(f, vec![acc, v.clone()], span))
+        list.items.iter().enumerate().try_fold(first.clone(), |acc, (i, v)| {
+            e.round(i, list.items.len(), |e| e.call_function(f, vec![acc, v.clone()], span))
+        })
     }),
     BuiltIn {
         name: "iterate",

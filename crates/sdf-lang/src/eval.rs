@@ -166,6 +166,20 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// Carries out a round of a loop. What the rounds take of a loop that stands in no other is known beforehand, from
+    /// the first of them, and allowed.
+    pub fn round<T>(&mut self, index: usize, count: usize, f: impl FnOnce(&mut Self) -> Eval<T>) -> Eval<T> {
+        let before = self.spent();
+        let was_in_for = std::mem::replace(&mut self.in_for, true);
+        let result = f(self);
+        self.in_for = was_in_for;
+        if index == 0 && !was_in_for {
+            let round = (self.spent() - before) as usize;
+            self.work_limit += round.saturating_mul(count - 1).min(LONGEST_LOOP);
+        }
+        result
+    }
+
     /// Runs `f` as if no call had been begun: a shape is made from as many others as there are, and what is asked of
     /// one is asked of those, which is no recursion of the user's.
     pub fn calling_anew<T>(&mut self, f: impl FnOnce(&mut Self) -> T) -> T {
@@ -208,17 +222,11 @@ impl<'t> Elaborator<'t> {
                 let count = items.len();
                 let mut out = Vec::with_capacity(count);
                 let is_alike = self.is_trial && count > 1 && self.is_inert_in(&name.text, body);
-                let was_in_for = std::mem::replace(&mut self.in_for, true);
                 for item in items {
                     let inner = env.bind(name.text.clone(), item);
                     let before = self.spent();
-                    let value = self.block(body, &inner);
-                    if out.is_empty() && !was_in_for {
-                        // What the rounds of a loop take that stands in no other is known beforehand.
-                        let round = (self.spent() - before) as usize;
-                        self.work_limit += round.saturating_mul(count - 1).min(LONGEST_LOOP);
-                    }
-                    out.push(value.inspect_err(|_| self.in_for = was_in_for)?);
+                    let value = self.round(out.len(), count, |this| this.block(body, &inner))?;
+                    out.push(value);
                     if is_alike {
                         let rest = count - 1;
                         self.skip(self.spent() - before, rest as u64);
@@ -226,7 +234,6 @@ impl<'t> Elaborator<'t> {
                         break;
                     }
                 }
-                self.in_for = was_in_for;
                 self.list(out, |_| body.result.span)
             }
             ExprKind::Lambda(lambda) => {

@@ -272,6 +272,8 @@ fn a_long_loop_in_a_field_is_no_expansion() {
     let field = "min(for i in 0..20000 { length(p - (hash(i), hash(i + 0.5), hash(i + 0.25)) * 50) - 0.2 })";
     let scene = crate::scene::scene(&format!("camera {{ eye: (99, 0, 0) }} scene {{ field {{ {field} }} }}"));
     assert!(sdf_ir::cost::operations(&scene.program, scene.map.unwrap()) > 200_000);
+    let fold = "fold(0..3000, 1e9, |a, i| min(a, length(p - (i, 0, 0)) - 0.3))";
+    crate::scene::scene(&format!("camera {{ eye: (99, 0, 0) }} scene {{ field {{ {fold} }} }}"));
 }
 
 /// The slope of a line through points: the exponent of a power, where these are logarithms.

@@ -109,7 +109,12 @@ pub(crate) fn inline_whole(
 /// Which nodes the results depend on. Nothing has side effects, so all others are dead.
 pub(crate) fn live(function: &Function) -> Vec<bool> {
     let mut live = vec![false; function.node_count()];
-    let mut open = function.root().results.clone();
+    mark_live(function, &mut live, function.root().results.clone());
+    live
+}
+
+/// Marks these values and all that they depend on.
+pub(crate) fn mark_live(function: &Function, live: &mut [bool], mut open: Vec<Value>) {
     while let Some(value) = open.pop() {
         if std::mem::replace(&mut live[value.0 as usize], true) {
             continue;
@@ -119,7 +124,6 @@ pub(crate) fn live(function: &Function) -> Vec<bool> {
             open.extend(&function.region(region).results);
         }
     }
-    live
 }
 
 pub(crate) struct Copy<'a> {

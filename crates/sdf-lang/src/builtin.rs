@@ -110,6 +110,15 @@ const fn function(name: &'static str, parameters: &'static [(&'static str, SlotK
     BuiltIn { name, parameters, variadic: false, optional: 0, run }
 }
 
+/// A function whose last argument may be left out.
+const fn with_default(
+    name: &'static str,
+    parameters: &'static [(&'static str, SlotKind)],
+    run: Run,
+) -> BuiltIn {
+    BuiltIn { name, parameters, variadic: false, optional: 1, run }
+}
+
 const fn variadic(name: &'static str, parameters: &'static [(&'static str, SlotKind)], run: Run) -> BuiltIn {
     BuiltIn { name, parameters, variadic: true, optional: 0, run }
 }
@@ -218,13 +227,11 @@ static FUNCTIONS: &[BuiltIn] = &[
             e.round(i, list.items.len(), |e| e.call_function(f, vec![acc, v.clone()], span))
         })
     }),
-    BuiltIn {
-        name: "iterate",
-        parameters: &[("n", FLOAT), ("first", SlotKind::Any), ("next", FN), ("until", FN)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.iterate(a, span),
-    },
+    with_default(
+        "iterate",
+        &[("n", FLOAT), ("first", SlotKind::Any), ("next", FN), ("until", FN)],
+        |e, a, span| e.iterate(a, span),
+    ),
     function("paint", &[("s", SHAPE), ("m", SlotKind::Type(TypeKind::Material))], |e, a, span| {
         let (Some(Value::Shape(shape)), Some(material)) = (&a[0], &a[1]) else { unreachable!("fits") };
         let material = match material {
@@ -256,43 +263,23 @@ static FUNCTIONS: &[BuiltIn] = &[
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;
         e.stride(shape, &point, span).map(Value::Number)
     }),
-    BuiltIn {
-        name: "lo",
-        parameters: &[("s", SHAPE), ("level", FLOAT)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.corner_of(a, span, |extent| extent.lo),
-    },
-    BuiltIn {
-        name: "lo",
-        parameters: &[("s", SHAPE2), ("level", FLOAT)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.corner_of(a, span, |extent| extent.lo),
-    },
-    BuiltIn {
-        name: "hi",
-        parameters: &[("s", SHAPE), ("level", FLOAT)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.corner_of(a, span, |extent| extent.hi),
-    },
-    BuiltIn {
-        name: "hi",
-        parameters: &[("s", SHAPE2), ("level", FLOAT)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.corner_of(a, span, |extent| extent.hi),
-    },
+    with_default("lo", &[("s", SHAPE), ("level", FLOAT)], |e, a, span| {
+        e.corner_of(a, span, |extent| extent.lo)
+    }),
+    with_default("lo", &[("s", SHAPE2), ("level", FLOAT)], |e, a, span| {
+        e.corner_of(a, span, |extent| extent.lo)
+    }),
+    with_default("hi", &[("s", SHAPE), ("level", FLOAT)], |e, a, span| {
+        e.corner_of(a, span, |extent| extent.hi)
+    }),
+    with_default("hi", &[("s", SHAPE2), ("level", FLOAT)], |e, a, span| {
+        e.corner_of(a, span, |extent| extent.hi)
+    }),
     function("reach", &[("s", SHAPE), ("axis", VEC3)], |e, a, span| e.reach_of(a, span)),
     function("slope", &[("f", SlotKind::Any)], |e, a, span| e.slope_value(a, span)),
-    BuiltIn {
-        name: "turned",
-        parameters: &[("s", SHAPE), ("axis", VEC3), ("angle", FLOAT)],
-        variadic: false,
-        optional: 1,
-        run: |e, a, span| e.turned_box(a, span),
-    },
+    with_default("turned", &[("s", SHAPE), ("axis", VEC3), ("angle", FLOAT)], |e, a, span| {
+        e.turned_box(a, span)
+    }),
     function("turned", &[("s", SHAPE2), ("angle", FLOAT)], |e, a, span| e.turned_box_in_plane(a, span)),
     function("mirrored", &[("s", SHAPE), ("axis", VEC3), ("offset", FLOAT)], |e, a, span| {
         e.mirrored_box(a, Type::Vec3, span)

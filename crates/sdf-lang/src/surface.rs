@@ -246,15 +246,36 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// The value of a formula, and the distances that it samples.
+    fn noting_samples<T>(&mut self, formula: impl FnOnce(&mut Self) -> T) -> (T, Vec<Sample<'t>>) {
+        let saved = self.samples.replace(Vec::new());
+        let result = formula(self);
+        (result, std::mem::replace(&mut self.samples, saved).unwrap_or_default())
+    }
+
+    /// A formula in a function that is left open, with what it samples.
+    fn open_formula(
+        &mut self,
+        name: &str,
+        formula: impl FnOnce(&mut Self) -> Eval<Number>,
+    ) -> Eval<(sdf_ir::Value, Vec<Sample<'t>>)> {
+        self.contexts.open(&Arc::from(name), None);
+        match self.noting_samples(formula) {
+            (Ok(n), samples) => Ok((self.contexts.value(&n), samples)),
+            (Err(reported), _) => {
+                self.contexts.discard();
+                Err(reported)
+            }
+        }
+    }
+
     /// What a formula samples: each shape, where, and the distance found there.
     pub fn samples_of(
         &mut self,
         formula: impl FnOnce(&mut Self) -> Eval<Number>,
     ) -> Eval<Vec<(Rc<Shape<'t>>, Number, Number)>> {
         self.contexts.open(&Arc::from("samples"), None);
-        let saved = self.samples.replace(Vec::new());
-        let result = formula(self);
-        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
+        let (result, samples) = self.noting_samples(formula);
         self.contexts.discard();
         result.map(|_| samples.into_iter().map(|s| (s.shape, s.point, s.distance)).collect())
     }
@@ -268,17 +289,7 @@ impl<'t> Elaborator<'t> {
         env: &Env<'t>,
         point: &Number,
     ) -> Eval<(sdf_ir::Function, Vec<sdf_ir::Value>, Vec<(Rc<Shape<'t>>, Number, sdf_ir::Value)>)> {
-        self.contexts.open(&Arc::from("formula"), None);
-        let saved = self.samples.replace(Vec::new());
-        let result = self.field_value(block, env, point);
-        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
-        let result = match result {
-            Ok(n) => self.contexts.value(&n),
-            Err(reported) => {
-                self.contexts.discard();
-                return Err(reported);
-            }
-        };
+        let (result, samples) = self.open_formula("formula", |this| this.field_value(block, env, point))?;
         let (function, arguments) = self.contexts.finish_apart(vec![result]);
         Ok((function, arguments, samples.into_iter().map(|s| (s.shape, s.point, s.stand_in)).collect()))
     }
@@ -291,19 +302,10 @@ impl<'t> Elaborator<'t> {
         span: Span,
         formula: impl FnOnce(&mut Self, &Number) -> Eval<Number>,
     ) -> Eval<Mix> {
-        self.contexts.open(&Arc::from("shares"), None);
-        let saved = self.samples.replace(Vec::new());
         let takes_apart = std::mem::replace(&mut self.facts.takes_apart, false);
-        let result = formula(self, point);
+        let opened = self.open_formula("shares", |this| formula(this, point));
         self.facts.takes_apart = takes_apart;
-        let samples = std::mem::replace(&mut self.samples, saved).unwrap_or_default();
-        let result = match result {
-            Ok(n) => self.contexts.value(&n),
-            Err(reported) => {
-                self.contexts.discard();
-                return Err(reported);
-            }
-        };
+        let (result, samples) = opened?;
         if let [only] = &samples[..] {
             self.contexts.discard();
             return self.mix(&only.shape, &only.point, normal, span);

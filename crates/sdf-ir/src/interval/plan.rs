@@ -4,7 +4,7 @@
 use super::idiom::{self, Idiom};
 use super::rotation::{Angle, Axis};
 use super::seam;
-use crate::copy::live;
+use crate::copy::{live, mark_live};
 use crate::program::{Function, Node, RegionId, Rotation, Ternary, Type, Value};
 use rustc_hash::FxHashMap;
 
@@ -256,40 +256,27 @@ fn live_with_rotations(
     let mut live = live(function);
     for i in (0..live.len()).rev() {
         if let (true, Some(Idiom::Linear { vector, .. })) = (live[i], &idioms[i]) {
-            keep(function, &mut live, *vector);
+            mark_live(function, &mut live, vec![*vector]);
         }
     }
     let mut in_order: Vec<(&Value, &(Value, usize))> = pairs.iter().collect();
     in_order.sort();
     for (pair, (whole, _)) in in_order {
         if live[pair.0 as usize] {
-            keep(function, &mut live, *whole);
+            mark_live(function, &mut live, vec![*whole]);
         }
     }
     // An image stands behind its vector, so that chains are found from their ends.
     for rotation in function.rotations().iter().rev() {
         if live[rotation.image.0 as usize] {
-            keep(function, &mut live, rotation.vector);
+            mark_live(function, &mut live, vec![rotation.vector]);
             if let Some(Axis::Of(axis)) = rotation.axis {
-                keep(function, &mut live, axis);
+                mark_live(function, &mut live, vec![axis]);
             }
             if let Angle::Of(angle) = rotation.angle {
-                keep(function, &mut live, angle);
+                mark_live(function, &mut live, vec![angle]);
             }
         }
     }
     live
-}
-
-fn keep(function: &Function, live: &mut [bool], value: Value) {
-    let mut open = vec![value];
-    while let Some(value) = open.pop() {
-        if std::mem::replace(&mut live[value.0 as usize], true) {
-            continue;
-        }
-        function.operands(value, |operand| open.push(operand));
-        for region in function.owned_regions(value) {
-            open.extend(&function.region(region).results);
-        }
-    }
 }

@@ -104,7 +104,7 @@ fn a_matrix_has_its_largest_singular_value() {
 }
 
 /// The point turned about `axis` by `angle`, as the library writes it.
-fn rotate(b: &mut Builder, v: Value, axis: Value, angle: Value) -> Value {
+pub fn rotate(b: &mut Builder, v: Value, axis: Value, angle: Value) -> Value {
     let a = b.unary(Unary::Normalize, axis);
     let (c, s) = (b.unary(Unary::Cos, angle), b.unary(Unary::Sin, angle));
     let one = b.float(1.0);

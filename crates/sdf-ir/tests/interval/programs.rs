@@ -1,12 +1,13 @@
 //! Random functions of a point with calls, branches and loops: values lie in their bounds, and no pair of points is
 //! steeper than the slope says.
 
+use crate::answers::rotate;
 use crate::random::Random;
 use sdf_ir::eval::{Machine, Tape, point};
-use sdf_ir::interval::{Angle, Axis, Bounds, Interval, Sloped, Walker};
+use sdf_ir::interval::{Bounds, Interval, Sloped, Walker};
 use sdf_ir::{
-    Binary, Builder, Constant, Function, FunctionId, Parameter, Program, Role, Rotation, Ternary, Type,
-    Unary, Uniform, Value,
+    Binary, Builder, Constant, Function, FunctionId, Parameter, Program, Role, Ternary, Type, Unary, Uniform,
+    Value,
 };
 
 /// A random function in the making.
@@ -166,27 +167,7 @@ impl Grow {
         let (v, angle) = (self.operand(Type::Vec3), self.float());
         let axis = self.random.of(&[[0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, -1.0], [1.0, 2.0, -0.5]]);
         let axis = self.b.constant(Constant::Vec3(axis));
-        let b = &mut self.b;
-        let a = b.unary(Unary::Normalize, axis);
-        let (c, s, one) = (b.unary(Unary::Cos, angle), b.unary(Unary::Sin, angle), b.float(1.0));
-        let k = b.sub(one, c);
-        let along = b.binary(Binary::Dot, a, v);
-        let along = b.mul(along, k);
-        let along = b.mul(a, along);
-        let across = b.binary(Binary::Cross, a, v);
-        let across = b.mul(across, s);
-        let image = b.mul(v, c);
-        let image = b.add(image, across);
-        let image = b.add(image, along);
-        if image != v {
-            b.mark_rotation(Rotation {
-                image,
-                vector: v,
-                axis: Some(Axis::Of(axis)),
-                angle: Angle::Of(angle),
-            });
-        }
-        image
+        rotate(&mut self.b, v, axis, angle)
     }
 
     fn call(&mut self) {

@@ -13,7 +13,6 @@ mod promise;
 
 use crate::contract::{Contract, Quality};
 use crate::eval::{Elaborator, Eval};
-use crate::scene::parts_of_union;
 use crate::value::{Env, Module, Origin, Shape, ShapeKind, Thunk, Value};
 pub(crate) use attack::Broken;
 use derive::Formula;
@@ -220,9 +219,6 @@ impl<'t> Elaborator<'t> {
             if level == 0.0 || !stated.module.is_user() {
                 return self.stated_extent(stated, shape.dimension, level);
             }
-        }
-        if let parts @ [_, _, ..] = &parts_of_union(shape)[..] {
-            return self.extent_of_all(parts, level);
         }
         match &shape.kind {
             ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {

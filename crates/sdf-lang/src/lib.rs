@@ -41,7 +41,7 @@ mod walk;
 pub use facts::{Basis, Class, Fact};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
 pub use kind::{Kind, kind_of};
-pub use library::parsed_items;
+pub use library::parsed_functions;
 pub use reference::{Entry, Form, Parameter, Section, reference};
 pub use vocabulary::{Vocabulary, vocabulary};
 

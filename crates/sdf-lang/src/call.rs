@@ -298,7 +298,8 @@ impl<'t> Elaborator<'t> {
             env = env.bind(name.clone(), value.clone());
             out.push((name, value));
         }
-        self.require(std::ptr::from_ref(function).cast(), module, &env, span)?;
+        let names = self.names;
+        self.require(names.contract_of(function, module), &env, span)?;
         Ok(out)
     }
 
@@ -417,8 +418,7 @@ impl<'t> Elaborator<'t> {
         self.work += CALL_WORK;
         let line = self.line(function.name.span);
         self.contexts.open(&function.name.text, line);
-        let place = std::ptr::from_ref(function).cast::<()>();
-        self.contexts.describe(self.names.module(module).docs.get(&place).cloned());
+        self.contexts.describe(self.names.summary_of(function, module));
         let inside: Vec<_> =
             arguments.iter().map(|(name, v)| (name.clone(), self.seen_from_inside(name, v))).collect();
         let errors_before = self.diagnostics.len();

@@ -17,6 +17,8 @@ const STD: &[(&str, &str)] = &[
     ("<std/plane.sdf>", include_str!("../std/plane.sdf")),
     ("<std/combine.sdf>", include_str!("../std/combine.sdf")),
     ("<std/operate.sdf>", include_str!("../std/operate.sdf")),
+    ("<std/bend.sdf>", include_str!("../std/bend.sdf")),
+    ("<std/repeat.sdf>", include_str!("../std/repeat.sdf")),
     ("<std/color.sdf>", include_str!("../std/color.sdf")),
 ];
 

@@ -13,7 +13,12 @@ use std::sync::{Arc, OnceLock};
 
 /// The standard library, in the order of its reference page.
 const STD: &[(&str, &str)] = &[
-    ("<std/shapes.sdf>", include_str!("../std/shapes.sdf")),
+    ("<std/balls.sdf>", include_str!("../std/balls.sdf")),
+    ("<std/boxes.sdf>", include_str!("../std/boxes.sdf")),
+    ("<std/polyhedra.sdf>", include_str!("../std/polyhedra.sdf")),
+    ("<std/turned.sdf>", include_str!("../std/turned.sdf")),
+    ("<std/curves.sdf>", include_str!("../std/curves.sdf")),
+    ("<std/fractals.sdf>", include_str!("../std/fractals.sdf")),
     ("<std/plane.sdf>", include_str!("../std/plane.sdf")),
     ("<std/combine.sdf>", include_str!("../std/combine.sdf")),
     ("<std/operate.sdf>", include_str!("../std/operate.sdf")),

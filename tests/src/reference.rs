@@ -1,5 +1,7 @@
 //! The library's page, `grammar/library.md`, and its pictures: both are made from the doc comments.
 
+use crate::fields::run;
+use crate::numbers::word;
 use crate::scenes::{folder, legalised, scene};
 use sdf_ir::region::Extent;
 use sdf_lang::{Entry, Form, Group, Kind, Options, Section, glossary, kind_of, reference};
@@ -10,7 +12,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// The side of a picture, in pixels.
-pub const SIDE: u32 = 160;
+pub const SIDE: u32 = 128;
 /// How many points of a pixel are drawn along each of its sides.
 const POINTS: u32 = 2;
 
@@ -48,7 +50,7 @@ pub fn page() -> String {
 
 /// What a heading is called where it is linked to.
 fn anchor(title: &str) -> String {
-    let kept = title.chars().filter(|c| c.is_alphanumeric() || *c == ' ');
+    let kept = title.chars().filter(|c| c.is_alphanumeric() || [' ', '-'].contains(c));
     kept.collect::<String>().to_lowercase().replace(' ', "-")
 }
 
@@ -74,10 +76,8 @@ fn article(form: &Form) -> String {
     let mut out = format!("\n```\n{}\n```\n\n{}\n", form.signature, form.summary);
     form.text.iter().for_each(|paragraph| out += &format!("\n{paragraph}\n"));
     let mut items: Vec<String> = Vec::new();
-    for parameter in &form.parameters {
-        if let Some(meaning) = &parameter.meaning {
-            items.push(format!("`{}`: {meaning}", parameter.name));
-        }
+    for (names, meaning) in form.meanings() {
+        items.push(format!("`{}`: {meaning}", names.join("`, `")));
     }
     if !form.promises.is_empty() {
         items.push(format!("*Contract*: {}", form.promises.join("; ")));
@@ -179,7 +179,7 @@ pub fn picture_scene(entry: &Entry) -> String {
                 "{{ let v = {example}; let line = if abs(p.y) < 0.012 || abs(p.x) < 0.012 {{ 0.5 }} else {{ 1 }};
                    (if p.y < v {{ {color} }} else {{ #f4f1ea }}) * line }}"
             );
-            on_floor("box((1.5, 1.5, 0.05))", &format!("material {{ color: {ink} }}"), [0.2, 0.42, 1.6])
+            on_floor("box((1.5, 1.5, 0.05))", &format!("material {{ color: {ink} }}"), [0.2, 0.52, 1.6])
         }
         View::Numbers => {
             let ink = format!(
@@ -209,7 +209,7 @@ const END: f64 = 1.5;
 /// Half of the angle that a picture shows, in degrees.
 const HALF_VIEW: f64 = 14.0;
 /// The part of a picture that the shape fills.
-const FILLED: f64 = 0.9;
+const FILLED: f64 = 0.84;
 
 /// A scene of one shape, on a floor, seen from a direction. What has no end is cut off; what has none anywhere is also cut
 /// open at the front.
@@ -238,27 +238,62 @@ fn on_floor(shape: &str, material: &str, direction: [f64; 3]) -> String {
     let vector = |v: [f64; 3]| format!("({:.4}, {:.4}, {:.4})", v[0], v[1], v[2]);
     let clip =
         if is_cut { format!(" & box({}).at({})", vector(half), vector(centre)) } else { String::new() };
-    let eye = eye(centre, half, direction);
-    let floor = cut.lo[1] - 0.002 * half[1];
+    let sampled = sampled(&format!("({shape}){clip}"), &cut);
+    let size = half.into_iter().fold(0.0, f64::max);
+    // What has no inside is shown with a little thickness: from the edge nothing of it would be seen.
+    let is_thin = !extent.is_empty() && sampled.iter().all(|(_, distance)| *distance > 0.0);
+    let rounding = if is_thin { 0.015 * size } else { 0.0 };
+    let shown =
+        if is_thin { format!("(subject{clip}).round({rounding:.4})") } else { format!("subject{clip}") };
+    let filled = sampled.iter().filter(|(_, distance)| *distance <= 0.02 * size);
+    let mut points: Vec<[f64; 3]> = filled.map(|(point, _)| *point).collect();
+    if points.is_empty() {
+        points = vec![cut.lo, cut.hi];
+    }
+    let (eye, target) = stand(&points, centre, direction);
+    let floor = cut.lo[1] - rounding - 0.002 * half[1];
     format!(
         "camera {{ eye: {eye}, target: {target}, fov: {fov}deg }}
 light key {{ direction: (1.2, 3, 2.2), color: #fff4e4, intensity: 0.85, shadow: soft(10) }}
-ambient {{ color: 0.42, occlusion: 1 }}
+ambient {{ color: 0.42, occlusion: 0.7 }}
 sky {{ color: #e8e4dc }}
 let subject = {shape}
-let shown = subject{clip}
+let shown = {shown}
 scene {{ shown.paint({material}), plane().at(0, {floor:.4}, 0).paint(#cfcac0) }}
 ",
         eye = vector(eye),
-        target = vector(centre),
+        target = vector(target),
         fov = 2.0 * HALF_VIEW,
     )
 }
 
-/// Where the eye is to stand so that a box just fits into the picture.
-fn eye(centre: [f64; 3], half: [f64; 3], direction: [f64; 3]) -> [f64; 3] {
+/// How many points of a box are looked at.
+const SAMPLES: usize = 1 << 15;
+
+/// Points of a box, and the distances of a shape there.
+fn sampled(shape: &str, within: &Extent) -> Vec<([f64; 3], f64)> {
+    let any = |i: usize, axis: usize| f64::from(word((3 * i + axis) as u64)) / f64::from(u32::MAX);
+    let column = |axis: usize| -> Vec<f64> {
+        (0..SAMPLES).map(|i| within.lo[axis] + (within.hi[axis] - within.lo[axis]) * any(i, axis)).collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..3).map(column).collect();
+    let options = Options { attack: Some(0), ..Options::default() };
+    let scene = scene("shape", &format!("let subject = {shape}\nscene {{ subject }}\n"), &options);
+    let distances = match scene.map {
+        Some(map) => run::<f64>(&legalised(&scene.program, map), &columns).remove(0),
+        None => vec![f64::INFINITY; SAMPLES],
+    };
+    let point = |i: usize| std::array::from_fn(|axis| columns[axis][i]);
+    distances.into_iter().enumerate().map(|(i, distance)| (point(i), distance)).collect()
+}
+
+/// Where the eye is to stand, and where it is to look, so that points just fit into the picture.
+fn stand(points: &[[f64; 3]], centre: [f64; 3], direction: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let unit = |a: [f64; 3]| a.map(|x| x / dot(a, a).sqrt());
+    let along = |from: [f64; 3], by: f64, way: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|i| from[i] + by * way[i])
+    };
     let back = unit(direction);
     let right = unit([back[2], 0.0, -back[0]]);
     let up = [
@@ -266,12 +301,16 @@ fn eye(centre: [f64; 3], half: [f64; 3], direction: [f64; 3]) -> [f64; 3] {
         back[2] * right[0] - back[0] * right[2],
         back[0] * right[1] - back[1] * right[0],
     ];
+    let middle = |way: [f64; 3]| {
+        let places = points.iter().map(|point| dot(*point, way));
+        let (lo, hi) = places.fold((f64::MAX, f64::MIN), |(lo, hi), x| (lo.min(x), hi.max(x)));
+        (lo + hi) / 2.0 - dot(centre, way)
+    };
+    let target = along(along(centre, middle(right), right), middle(up), up);
     let slope = HALF_VIEW.to_radians().tan() * FILLED;
-    let corners = (0..8).map(|i| -> [f64; 3] {
-        std::array::from_fn(|axis| if i >> axis & 1 == 0 { -half[axis] } else { half[axis] })
+    let distances = points.iter().map(|point| {
+        let offset: [f64; 3] = std::array::from_fn(|i| point[i] - target[i]);
+        dot(offset, back) + dot(offset, right).abs().max(dot(offset, up).abs()) / slope
     });
-    let distance = corners
-        .map(|corner| dot(corner, back) + dot(corner, right).abs().max(dot(corner, up).abs()) / slope)
-        .fold(0.1, f64::max);
-    std::array::from_fn(|i| centre[i] + back[i] * distance)
+    (along(target, distances.fold(0.1, f64::max), back), target)
 }

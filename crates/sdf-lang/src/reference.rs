@@ -84,6 +84,19 @@ pub struct Parameter {
 }
 
 impl Form {
+    /// What its parameters mean; those that are explained together stand together.
+    pub fn meanings(&self) -> Vec<(Vec<&str>, &str)> {
+        let mut out: Vec<(Vec<&str>, &str)> = Vec::new();
+        for parameter in &self.parameters {
+            match (parameter.meaning.as_deref(), out.last_mut()) {
+                (Some(meaning), Some((names, before))) if *before == meaning => names.push(&parameter.name),
+                (Some(meaning), _) => out.push((vec![&parameter.name], meaning)),
+                (None, _) => {}
+            }
+        }
+        out
+    }
+
     /// Whether it makes something of shapes or of functions, and not of numbers alone.
     pub fn is_operator(&self) -> bool {
         let kinds = [TypeKind::Shape, TypeKind::Shape2, TypeKind::Fn];

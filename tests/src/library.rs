@@ -55,7 +55,7 @@ pub fn calls() -> Vec<Call> {
             };
             calls.extend(
                 old.map(|old| {
-                    call(&entry.name, bare(&old), entry.forms.iter().any(|form| form.is_operator()))
+                    call(&entry.name, bare(old), entry.forms.iter().any(|form| form.is_operator()))
                 }),
             );
         }

@@ -17,6 +17,7 @@ mod eval;
 mod expansion;
 mod facts;
 mod framing;
+mod glossary;
 mod import;
 mod items;
 mod kind;
@@ -38,10 +39,11 @@ mod value;
 mod vocabulary;
 mod walk;
 
-pub use facts::{Basis, Class, Fact};
+pub use facts::{Basis, Class, Copies, Fact};
+pub use glossary::{Group, glossary};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
 pub use kind::{Kind, kind_of};
-pub use library::parsed_items;
+pub use library::parsed_functions;
 pub use reference::{Entry, Form, Parameter, Section, reference};
 pub use vocabulary::{Vocabulary, vocabulary};
 

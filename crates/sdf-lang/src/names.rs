@@ -431,32 +431,6 @@ fn collect<'t>(file: &'t File, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
 
 /// The names of the language's library that are not there yet.
 const UNBUILT: &[&str] = &[
-    "box_frame",
-    "capped_torus",
-    "link",
-    "infinite_cylinder",
-    "segment_cylinder",
-    "round_cylinder",
-    "capped_cone",
-    "infinite_cone",
-    "round_cone",
-    "solid_angle",
-    "cut_sphere",
-    "hollow_sphere",
-    "hex_prism",
-    "tri_prism",
-    "pyramid",
-    "tetrahedron",
-    "dodecahedron",
-    "icosahedron",
-    "rhombus_prism",
-    "triangle3",
-    "quad",
-    "tube",
-    "helix",
-    "gyroid",
-    "heightfield",
-    "menger",
     "mandelbulb",
 ];
 

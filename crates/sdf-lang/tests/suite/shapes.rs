@@ -223,6 +223,30 @@ fn degenerate_sizes_are_finite() {
         "ellipsoid(SIZE)",
         "ellipsoid(1, SIZE, 1)",
         "octahedron(SIZE)",
+        "cut_sphere(SIZE, SIZE)",
+        "hollow_sphere(SIZE, SIZE, SIZE)",
+        "solid_angle(SIZE, SIZE)",
+        "box_frame(SIZE, SIZE)",
+        "hex_prism(SIZE, 1)",
+        "rhombus_prism(SIZE, 1, 1, SIZE)",
+        "pyramid(SIZE, SIZE)",
+        "tetrahedron(SIZE)",
+        "dodecahedron(SIZE)",
+        "icosahedron(SIZE)",
+        "triangle3((0, 0, 0), (SIZE, 0, 0), (0, SIZE, 0))",
+        "quad((0, 0, 0), (SIZE, 0, 0), (0, SIZE, 0), (0, 0, SIZE))",
+        "segment_cylinder((0, 0, 0), (SIZE, 0, 0), SIZE)",
+        "capped_cone(SIZE, SIZE, 1)",
+        "infinite_cone(SIZE)",
+        "round_cone(SIZE, 1, SIZE)",
+        "capped_torus(SIZE, SIZE, 1)",
+        "link(SIZE, SIZE, SIZE)",
+        "tube((0, 0, 0), (SIZE, 0, 0), (0, SIZE, 0), SIZE)",
+        "helix(SIZE, SIZE, SIZE)",
+        "gyroid(SIZE, SIZE)",
+        "heightfield(|v| sin(v.x), SIZE)",
+        "menger(SIZE, 2)",
+        "mandelbulb(SIZE, 3)",
         "plane((0, SIZE, 0))",
         "circle(SIZE).extrude(SIZE)",
         "rect(SIZE, 1).extrude(1)",
@@ -280,7 +304,7 @@ fn degenerate_sizes_are_finite() {
 
 #[test]
 fn nothing_is_far_away() {
-    for empty in ["nothing()", "union()", "union([])", "sphere(-1) & nothing()"] {
+    for empty in ["nothing()", "union()", "union([])", "sphere(1) & nothing()"] {
         let d = Field::of_shape("", &format!("{empty}, sphere(1).at(50, 0, 0)")).at([0.0; 3]);
         assert_eq!(d, 49.0, "with {empty}");
     }

@@ -106,14 +106,14 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
             ),
             ("reach", "How far from an axis through the origin a shape extends."),
             ("slope", "How steep a shape, or a function of a point, is at most."),
-            ("most", "The largest that a float may be, whatever the params, the time and the point."),
+            ("most", "The largest that a number may be, whatever the params and the time are."),
+            ("turned", "The box of a shape turned by an angle, or by any, as a record `(lo, hi)`."),
+            ("reflected", "The box of the mirror image of a shape, as a record `(lo, hi)`."),
             (
                 "any_cell",
-                "A cell between two that may be any, to ask what holds of the shapes of all of them.",
+                "A vector that may be any from `first` to `last`, as the cell of a repetition is, to ask about.",
             ),
-            ("turned", "The box of a shape turned by an angle, or by any, as a record `(lo, hi)`."),
             ("mirrored", "The box of what `mirror` makes of a shape, as a record `(lo, hi)`."),
-            ("reflected", "The box of the mirror image of a shape, as a record `(lo, hi)`."),
         ],
     ),
     (

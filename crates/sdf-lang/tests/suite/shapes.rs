@@ -275,7 +275,7 @@ fn degenerate_sizes_are_finite() {
                 // A size that is known to be none is refused; a param that may be none is not, but for a period: then
                 // the number of copies has no bound.
                 if (how.starts_with("let") || shape.contains("repeat")) && compilation.has_errors() {
-                    assert!(compilation.diagnostics.iter().all(|d| d.code == "E043"), "{text}");
+                    assert!(compilation.diagnostics.iter().all(|d| d.code == sdf_syntax::Code::E043), "{text}");
                     continue;
                 }
                 let field = Field::of(&text);

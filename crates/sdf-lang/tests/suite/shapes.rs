@@ -294,7 +294,8 @@ fn degenerate_sizes_are_finite() {
                 // A size that is known to be none is refused; a param that may be none is not, but for a period: then
                 // the number of copies has no bound.
                 if (how.starts_with("let") || shape.contains("repeat")) && compilation.has_errors() {
-                    let mut errors = compilation.diagnostics.iter().filter(|d| d.severity() == Severity::Error);
+                    let mut errors =
+                        compilation.diagnostics.iter().filter(|d| d.severity() == Severity::Error);
                     assert!(errors.all(|d| d.code == Code::E043), "{text}");
                     continue;
                 }

@@ -256,6 +256,7 @@ fn on_floor(shape: &str, material: &str, direction: [f64; 3]) -> String {
         "camera {{ eye: {eye}, target: {target}, fov: {fov}deg }}
 light key {{ direction: (1.2, 3, 2.2), color: #fff4e4, intensity: 0.85, shadow: soft(10) }}
 ambient {{ color: 0.42, occlusion: 0.7 }}
+render {{ tolerance: 0.5 }}
 sky {{ color: #e8e4dc }}
 let subject = {shape}
 let shown = {shown}

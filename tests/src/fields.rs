@@ -24,13 +24,19 @@ impl Field {
         let options = Options { attack: Some(0), ..Options::default() };
         let scene = scene(name, &still(text), &options);
         let map = scene.map.unwrap_or_else(|| panic!("{name} has no field"));
-        let mut program = Program { entry: Some(map), ..scene.program };
+        let field = Field::of_map(&scene.program, map);
+        assert!(field.gradient.uniforms.is_empty(), "{name} depends on more than the point");
+        field
+    }
+
+    /// That of a program's function of a point.
+    pub fn of_map(program: &Program, map: FunctionId) -> Field {
+        let mut program = Program { entry: Some(map), ..program.clone() };
         let gradient = sdf_ir::gradient(&mut program, map);
         let [distance, gradient] = [map, gradient].map(|function| {
             let program = Program { entry: Some(function), ..program.clone() };
             sdf_ir::simplify(&program, &[]).0
         });
-        assert!(gradient.uniforms.is_empty(), "{name} depends on more than the point");
         Field { distance, gradient }
     }
 

@@ -1,12 +1,75 @@
-//! The functions of the standard library, and calls of each.
+//! The functions of the standard library, and calls of each: those that their doc comments give as examples.
 
-use sdf_lang::Options;
-use sdf_syntax::tree::ItemKind;
-use std::collections::BTreeMap;
+use sdf_lang::{Kind, kind_of, reference};
 
-/// Calls of each function of the library, at least as many as it has forms. Children stand off the centre and have
-/// no symmetry, which could hide a mistake.
-pub const CALLS: &[(&str, &[&str])] = &[
+/// A call of a function of the library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Call {
+    /// The function's name.
+    pub function: String,
+    /// The call, as the doc comment has it. It may depend on `p`.
+    pub expression: String,
+    /// What the call gives.
+    pub kind: Kind,
+    /// Whether the function makes something of shapes or of functions.
+    pub is_operator: bool,
+}
+
+impl Call {
+    /// Whether the function makes a shape of numbers alone.
+    pub fn is_primitive(&self) -> bool {
+        self.is_of_a_shape() && !self.is_operator
+    }
+
+    /// Whether the call gives a shape, of space or of the plane.
+    pub fn is_of_a_shape(&self) -> bool {
+        matches!(self.kind, Kind::Shape | Kind::Shape2)
+    }
+
+    /// An expression that is a shape of space, in which all is computed that the call gives or a part of it.
+    pub fn as_shape(&self) -> String {
+        let call = &self.expression;
+        match self.kind {
+            Kind::Shape => call.clone(),
+            Kind::Shape2 => format!("field {{ ({call})(p.xy) }}"),
+            Kind::Float => format!("field {{ {call} }}"),
+            Kind::Vec2 | Kind::Vec3 => format!("field {{ ({call}).y }}"),
+            kind => panic!("{call} is no shape and no number, but a {kind:?}"),
+        }
+    }
+}
+
+/// The examples of the library, in its order, but that of `nothing`: it has no field to look at.
+pub fn calls() -> Vec<Call> {
+    let mut calls = Vec::new();
+    for entry in reference().iter().flat_map(|section| &section.entries).filter(|e| e.name != "nothing") {
+        for form in &entry.forms {
+            for expression in &form.examples {
+                calls.push(call(&entry.name, expression, form.is_operator()));
+            }
+        }
+        if entry.forms.iter().all(|form| form.examples.is_empty()) {
+            let old = CALLS.iter().filter(|(name, _)| *name == entry.name).flat_map(|(_, calls)| *calls);
+            let bare = |old: &&'static str| -> &'static str {
+                old.strip_prefix("field { ").and_then(|old| old.strip_suffix(" }")).unwrap_or(old)
+            };
+            calls.extend(
+                old.map(|old| {
+                    call(&entry.name, bare(old), entry.forms.iter().any(|form| form.is_operator()))
+                }),
+            );
+        }
+    }
+    calls
+}
+
+fn call(function: &str, expression: &str, is_operator: bool) -> Call {
+    let kind = kind_of(expression).unwrap_or_else(|found| panic!("{expression}: {found:#?}"));
+    Call { function: function.into(), expression: expression.into(), kind, is_operator }
+}
+
+/// Calls of the functions whose doc comments have no examples yet.
+const CALLS: &[(&str, &[&str])] = &[
     // shapes.sdf
     ("sphere", &["sphere(0.7)"]),
     ("box", &["box((0.5, 0.8, 0.3))"]),
@@ -149,21 +212,3 @@ pub const CALLS: &[(&str, &[&str])] = &[
     ),
     ("noise", &["field { noise(p.x) }", "field { noise(p.xy) }", "field { noise(p) }"]),
 ];
-
-/// How many functions of each name the library has.
-pub fn library() -> BTreeMap<String, usize> {
-    let compilation = sdf_lang::compile("", "scene { sphere(1) }", &Options::default());
-    let mut names = BTreeMap::new();
-    for id in (0..).map(sdf_syntax::FileId) {
-        let Some(source) = compilation.sources.get(id) else { break };
-        if source.name.starts_with("<std/") {
-            let (tree, _) = sdf_syntax::parse(id, &source.text);
-            for item in &tree.items {
-                if let ItemKind::Fn(function) = &item.kind {
-                    *names.entry(function.name.text.to_string()).or_default() += 1;
-                }
-            }
-        }
-    }
-    names
-}

@@ -3,13 +3,14 @@
 
 use sdf_emit::KernelLanguage;
 use sdf_ir::Program;
+use sdf_lang::reference;
 use sdf_tests::fields::{
     Field, Spread, by_duals, entry, nasty_points, on_hardware, points, run, spread, wide,
 };
-use sdf_tests::library::{CALLS, library};
+use sdf_tests::library::calls;
 use sdf_tests::run::{lavapipe, on_device};
 use sdf_tests::scenes::examples;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// How many points each field is computed at on the driver.
@@ -23,24 +24,18 @@ const STEEP: f64 = 0.004;
 
 #[test]
 fn every_function_of_the_library_is_called() {
-    let library = library();
-    assert!(library.len() > 40, "the library was not found");
-    let calls: BTreeMap<&str, usize> = CALLS.iter().map(|(name, calls)| (*name, calls.len())).collect();
-    let missing = |(name, forms): &(&String, &usize)| calls.get(name.as_str()).is_none_or(|n| n < forms);
-    let missing: Vec<_> = library.iter().filter(missing).collect();
-    assert!(missing.is_empty(), "without a call for each form: {missing:?}");
-    let unknown: Vec<_> = calls.keys().filter(|name| !library.contains_key(**name)).collect();
-    assert!(unknown.is_empty(), "not in the library: {unknown:?}");
-    for (name, calls) in CALLS {
-        let named = |call: &&&str| call.contains(&format!("{name}(")) || *name == "complement";
-        assert!(calls.iter().all(|call| named(&call)), "a call of `{name}` does not call it");
-    }
+    let functions: BTreeSet<String> = calls().into_iter().map(|call| call.function).collect();
+    let entries = reference().into_iter().flat_map(|section| section.entries).map(|entry| entry.name);
+    let missing: Vec<String> =
+        entries.filter(|name| name != "nothing" && !functions.contains(name)).collect();
+    assert!(missing.is_empty(), "without a call: {missing:?}");
+    assert!(functions.len() > 40, "the library was not found");
 }
 
 /// All fields: those of the library's functions and of the examples.
 fn fields() -> Vec<(String, Field)> {
-    let calls = CALLS.iter().flat_map(|(_, calls)| *calls);
-    let calls = calls.map(|call| ((*call).to_string(), Field::of_expression(call)));
+    let calls = calls().into_iter().map(|call| call.as_shape());
+    let calls = calls.map(|shape| (shape.clone(), Field::of_expression(&shape)));
     let examples =
         examples().into_iter().map(|e| (format!("examples/{}", e.name), Field::of(&e.name, &e.text)));
     calls.chain(examples).collect()

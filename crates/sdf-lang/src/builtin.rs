@@ -277,15 +277,21 @@ static FUNCTIONS: &[BuiltIn] = &[
     }),
     function("reach", &[("s", SHAPE), ("axis", VEC3)], |e, a, span| e.reach_of(a, span)),
     function("slope", &[("f", SlotKind::Any)], |e, a, span| e.slope_value(a, span)),
+    function("most", &[("x", FLOAT)], |e, a, span| e.most_of(a, span)),
+    function("any_cell", &[("first", VEC3), ("last", VEC3)], |e, a, span| e.any_cell(a, span)),
     with_default("turned", &[("s", SHAPE), ("axis", VEC3), ("angle", FLOAT)], |e, a, span| {
         e.turned_box(a, span)
     }),
-    function("turned", &[("s", SHAPE2), ("angle", FLOAT)], |e, a, span| e.turned_box_in_plane(a, span)),
+    with_default("turned", &[("s", SHAPE2), ("angle", FLOAT)], |e, a, span| e.turned_box_in_plane(a, span)),
     function("mirrored", &[("s", SHAPE), ("axis", VEC3), ("offset", FLOAT)], |e, a, span| {
         e.mirrored_box(a, Type::Vec3, span)
     }),
     function("mirrored", &[("s", SHAPE2), ("axis", VEC2), ("offset", FLOAT)], |e, a, span| {
         e.mirrored_box(a, Type::Vec2, span)
+    }),
+    function("reflected", &[("s", SHAPE), ("axis", VEC3)], |e, a, span| e.reflected_box(a, Type::Vec3, span)),
+    function("reflected", &[("s", SHAPE2), ("axis", VEC2)], |e, a, span| {
+        e.reflected_box(a, Type::Vec2, span)
     }),
     function("surface", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &Column::OF_SURFACE, a, span)

@@ -298,7 +298,8 @@ impl<'t> Elaborator<'t> {
             env = env.bind(name.clone(), value.clone());
             out.push((name, value));
         }
-        self.require(std::ptr::from_ref(function).cast(), module, &env, span)?;
+        let names = self.names;
+        self.require(names.contract_of(function, module), &env, span)?;
         Ok(out)
     }
 
@@ -333,7 +334,14 @@ impl<'t> Elaborator<'t> {
             self.place = span;
         }
         if !module.is_user() {
-            return self.call_afresh(function, module, &arguments, span);
+            // The library's are called with new arguments each time, but for what is asked of a function.
+            if !asks_of_functions(&arguments) {
+                return self.call_afresh(function, module, &arguments, span);
+            }
+            let inert = |this: &mut Self| this.inert_parameters(function);
+            return self.once(place, None, &arguments, inert, |this| {
+                this.call_afresh(function, module, &arguments, span)
+            });
         }
         if let Some(shape) = self.known_shape(place, &arguments)
             && let ShapeKind::Named { name, span, inner, .. } = &shape.kind
@@ -410,8 +418,7 @@ impl<'t> Elaborator<'t> {
         self.work += CALL_WORK;
         let line = self.line(function.name.span);
         self.contexts.open(&function.name.text, line);
-        let place = std::ptr::from_ref(function).cast::<()>();
-        self.contexts.describe(self.names.module(module).docs.get(&place).cloned());
+        self.contexts.describe(self.names.summary_of(function, module));
         let inside: Vec<_> =
             arguments.iter().map(|(name, v)| (name.clone(), self.seen_from_inside(name, v))).collect();
         let errors_before = self.diagnostics.len();
@@ -522,6 +529,14 @@ impl<'t> Elaborator<'t> {
         let inert = |this: &mut Self| this.inert_of_lambda(lambda);
         if env.module.is_user() { self.once(place, Some(env), &arguments, inert, run) } else { run(self) }
     }
+}
+
+/// Whether the arguments are functions, and numbers that are known now.
+fn asks_of_functions(arguments: &[(Arc<str>, Value<'_>)]) -> bool {
+    let is_function = |value: &Value<'_>| matches!(value, Value::Function(_));
+    let is_known = |value: &Value<'_>| matches!(value, Value::Number(n) if n.known().is_some());
+    arguments.iter().any(|(_, v)| is_function(v))
+        && arguments.iter().all(|(_, v)| is_function(v) || is_known(v))
 }
 
 /// The parameters of a function.

@@ -102,7 +102,7 @@ impl Check<'_, '_> {
         match self.names.meaning(name, self.module) {
             Meaning::Clash(clash) => self.diagnostics.push(clash.diagnostic(name, span)),
             Meaning::Nothing
-                if !builtin::CONSTANTS.contains(&name) && !self.names.module(self.module).incomplete =>
+                if !builtin::CONSTANTS.contains(&name) && !self.names.is_incomplete(self.module) =>
             {
                 self.diagnostics.push(self.names.unknown(name, span, self.module, &self.locals.names));
             }

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use sdf_ir::{Binary, Constant, FunctionId, Node, Type, Unary};
 use sdf_syntax::tree::{Binding, Block, Dimension, Expr, ExprKind, Function, Postfix, PostfixKind};
 use sdf_syntax::{Diagnostic, Sources, Span};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ pub(crate) struct Elaborator<'t> {
     /// What `--set` gives to params.
     pub overrides: HashMap<String, crate::Override>,
     /// Which fields of materials were seen to be other than their default.
-    pub columns: std::collections::BTreeSet<crate::surface::Column>,
+    pub columns: BTreeSet<crate::surface::Column>,
     /// Whether they are being looked for.
     pub finding_columns: bool,
     /// The shapes of the scene block, for the camera that frames them.
@@ -102,6 +102,42 @@ pub(crate) struct Elaborator<'t> {
 }
 
 impl<'t> Elaborator<'t> {
+    /// An elaborator that has not done anything yet.
+    pub fn new(sources: &'t Sources, names: &'t Names<'t>, diagnostics: Vec<Diagnostic>) -> Elaborator<'t> {
+        Elaborator {
+            sources,
+            names,
+            contexts: Contexts::new(),
+            diagnostics,
+            items: HashMap::new(),
+            pending: Vec::new(),
+            shape_functions: HashMap::new(),
+            not_outlined: HashSet::new(),
+            origins: Vec::new(),
+            samples: None,
+            gradients: sdf_ir::gradient::Gradients::default(),
+            overrides: HashMap::new(),
+            columns: BTreeSet::new(),
+            finding_columns: false,
+            scene_parts: Vec::new(),
+            active: FxHashMap::default(),
+            calls: 0,
+            work: 0,
+            work_limit: 0,
+            in_loop: false,
+            in_for: false,
+            is_trial: false,
+            skipped: 0,
+            inert: None,
+            memos: crate::memo::Memos::default(),
+            sizes: crate::expansion::Sizes::default(),
+            place: Span::default(),
+            framed: None,
+            facts: crate::facts::Facts::new(),
+            exhausted: false,
+        }
+    }
+
     pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
         if crate::library::is_ours(diagnostic.span.file) {
             // What is wrong inside the library was caused by what the user's file asked of it.
@@ -381,7 +417,7 @@ impl<'t> Elaborator<'t> {
 
     /// Reports a name that means nothing, unless it may come from a file that could not be imported.
     pub fn report_unknown<T>(&mut self, diagnostic: Diagnostic, module: Module) -> Eval<T> {
-        if self.names.module(module).incomplete { Err(Reported) } else { self.report(diagnostic) }
+        if self.names.is_incomplete(module) { Err(Reported) } else { self.report(diagnostic) }
     }
 
     // ---- postfix operations

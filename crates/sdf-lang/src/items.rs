@@ -1,5 +1,6 @@
 //! The values of items: found when they are first needed, each once; a circle is an error that shows its path.
 
+use crate::contract::Contract;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Memo, Reported, name_shape};
 use crate::names::{Item, Meaning};
@@ -95,7 +96,9 @@ impl<'t> Elaborator<'t> {
             Item::Let(binding) => {
                 let value = self.eval_ahead(&binding.value, &env)?;
                 let own = env.bind(binding.name.text.clone(), value.clone());
-                self.require(std::ptr::from_ref(binding).cast(), module, &own, binding.name.span)?;
+                let names = self.names;
+                let contract = names.contract_of_let(binding).map(|(_, contract)| contract);
+                self.require(contract, &own, binding.name.span)?;
                 Ok(match value {
                     Value::Number(n) => Value::Number(n.named(&binding.name.text)),
                     value if module.is_user() => {
@@ -109,10 +112,9 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    /// Checks what the item at a place in memory requires, as far as it is known now; `span` is what asks for it.
-    pub fn require(&mut self, item: *const (), module: Module, env: &Env<'t>, span: Span) -> Eval<()> {
-        let names = self.names;
-        for requirement in names.module(module).contracts.get(&item).iter().flat_map(|c| &c.requirements) {
+    /// Checks what an item requires, as far as it is known now; `span` is what asks for it.
+    pub fn require(&mut self, contract: Option<&'t Contract<'t>>, env: &Env<'t>, span: Span) -> Eval<()> {
+        for requirement in contract.iter().flat_map(|contract| &contract.requirements) {
             let value = self.eval(requirement.condition, env)?;
             let holds = self.as_typed(value, Type::Bool, requirement.condition.span)?;
             if holds.known() == Some(Constant::Bool(false)) {

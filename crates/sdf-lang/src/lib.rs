@@ -17,8 +17,10 @@ mod eval;
 mod expansion;
 mod facts;
 mod framing;
+mod glossary;
 mod import;
 mod items;
+mod kind;
 mod library;
 mod lookahead;
 mod memo;
@@ -26,6 +28,7 @@ mod names;
 mod operators;
 mod outline;
 mod ranges;
+mod reference;
 mod scene;
 mod settings;
 mod shape;
@@ -37,7 +40,11 @@ mod vocabulary;
 mod walk;
 
 pub use facts::{Basis, Class, Fact};
+pub use glossary::{Group, glossary};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
+pub use kind::{Kind, kind_of};
+pub use library::parsed_functions;
+pub use reference::{Entry, Form, Parameter, Section, reference};
 pub use vocabulary::{Vocabulary, vocabulary};
 
 use sdf_ir::{Constant, FunctionId, Program};
@@ -157,18 +164,8 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
     let root_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
     let files = import::load(&tree, &mut sources, &options.imports, &mut diagnostics);
     let text_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
-    let (scene, work) = std::thread::scope(|scope| {
-        let work = || scene::elaborate(&sources, &tree, &files, options);
-        let thread = std::thread::Builder::new().name("elaborate".into()).stack_size(STACK);
-        match thread.spawn_scoped(scope, work).map(|handle| handle.join()) {
-            Ok(Ok((scene, found, work))) => {
-                diagnostics.extend(found);
-                (scene, work)
-            }
-            Ok(Err(panic)) => std::panic::resume_unwind(panic),
-            Err(error) => panic!("no thread for elaboration: {error}"),
-        }
-    });
+    let (scene, found, work) = on_deep_stack(|| scene::elaborate(&sources, &tree, &files, options));
+    diagnostics.extend(found);
     if root_errors {
         // It may be what could not be read.
         diagnostics.retain(|d| d.code != sdf_syntax::Code::E060);
@@ -176,6 +173,18 @@ pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
     tidy(&mut diagnostics);
     let scene = scene.filter(|_| !text_errors);
     Compilation { sources, tree, diagnostics, scene, work }
+}
+
+/// Does something in a thread whose stack is deep enough for any scene.
+fn on_deep_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("elaborate".into()).stack_size(STACK);
+        match thread.spawn_scoped(scope, work).map(|handle| handle.join()) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => panic!("no thread for elaboration: {error}"),
+        }
+    })
 }
 
 /// Puts findings in the order of the source, each once.

@@ -1,15 +1,29 @@
 //! The files that are part of the compiler: the standard library and the renderer, both in the language itself.
+//!
+//! A file is cut into the texts of its items by looking at its lines; an item is parsed when it is first asked for.
+//! So it does not matter to a scene how much there is that it does not use.
 
-use sdf_syntax::tree::File;
+use crate::contract::Contract;
+use crate::reference::{end_of_sentence, one_line};
+use rustc_hash::FxHashMap;
+use sdf_syntax::tree::{Function, Item, ItemKind};
 use sdf_syntax::{FileId, Sources};
-use std::sync::OnceLock;
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// The standard library, in the order of its reference page.
 const STD: &[(&str, &str)] = &[
-    ("<std/shapes.sdf>", include_str!("../std/shapes.sdf")),
+    ("<std/balls.sdf>", include_str!("../std/balls.sdf")),
+    ("<std/boxes.sdf>", include_str!("../std/boxes.sdf")),
+    ("<std/polyhedra.sdf>", include_str!("../std/polyhedra.sdf")),
+    ("<std/turned.sdf>", include_str!("../std/turned.sdf")),
+    ("<std/curves.sdf>", include_str!("../std/curves.sdf")),
+    ("<std/fractals.sdf>", include_str!("../std/fractals.sdf")),
     ("<std/plane.sdf>", include_str!("../std/plane.sdf")),
     ("<std/combine.sdf>", include_str!("../std/combine.sdf")),
     ("<std/operate.sdf>", include_str!("../std/operate.sdf")),
+    ("<std/bend.sdf>", include_str!("../std/bend.sdf")),
+    ("<std/repeat.sdf>", include_str!("../std/repeat.sdf")),
     ("<std/color.sdf>", include_str!("../std/color.sdf")),
 ];
 
@@ -24,29 +38,16 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
 ];
 
-/// The trees of the files that are part of the compiler.
-pub(crate) struct Library {
-    pub std: Vec<File>,
-    pub runtime: Vec<File>,
+/// The standard library.
+pub(crate) fn std() -> &'static Shelf {
+    static SHELF: OnceLock<Shelf> = OnceLock::new();
+    SHELF.get_or_init(|| Shelf::of(STD, 1))
 }
 
-/// The library, parsed once a process.
-pub(crate) fn library() -> &'static Library {
-    static LIBRARY: OnceLock<Library> = OnceLock::new();
-    LIBRARY.get_or_init(|| {
-        let parse = |files: &[(&str, &str)], first: usize| -> Vec<File> {
-            files
-                .iter()
-                .enumerate()
-                .map(|(i, (name, text))| {
-                    let (file, diagnostics) = sdf_syntax::parse(FileId((first + i) as u16), text);
-                    assert!(diagnostics.is_empty(), "{name} is not well formed: {diagnostics:?}");
-                    file
-                })
-                .collect()
-        };
-        Library { std: parse(STD, 1), runtime: parse(RUNTIME, 1 + STD.len()) }
-    })
+/// The renderer.
+pub(crate) fn runtime() -> &'static Shelf {
+    static SHELF: OnceLock<Shelf> = OnceLock::new();
+    SHELF.get_or_init(|| Shelf::of(RUNTIME, 1 + STD.len()))
 }
 
 /// Whether a file is part of the compiler.
@@ -62,4 +63,234 @@ pub(crate) fn sources(name: &str, text: &str) -> Sources {
         sources.add(*name, *text);
     }
     sources
+}
+
+/// How many functions of the standard library were parsed in this process so far.
+pub fn parsed_functions() -> usize {
+    std().items.iter().filter(|item| item.parsed.get().is_some()).count()
+}
+
+/// Files with functions, each of which is there once it is asked for.
+#[derive(Debug)]
+pub(crate) struct Shelf {
+    files: Vec<LibraryFile>,
+    /// In the order of the files.
+    items: Vec<Piece>,
+    by_name: FxHashMap<&'static str, Functions>,
+}
+
+/// A file that is part of the compiler.
+#[derive(Debug)]
+pub(crate) struct LibraryFile {
+    id: FileId,
+    name: &'static str,
+    pub text: &'static str,
+}
+
+/// The functions of one name.
+#[derive(Debug, Default)]
+struct Functions {
+    /// Their places among the items.
+    places: Vec<usize>,
+    /// Whether one of them has a doc comment: the others are for the library's own use.
+    is_public: bool,
+}
+
+/// One function of a file.
+#[derive(Debug)]
+struct Piece {
+    file: usize,
+    range: Range<usize>,
+    parsed: OnceLock<Item>,
+    contract: OnceLock<Contract<'static>>,
+}
+
+impl Shelf {
+    fn of(texts: &'static [(&'static str, &'static str)], first: usize) -> Shelf {
+        let mut shelf = Shelf { files: Vec::new(), items: Vec::new(), by_name: FxHashMap::default() };
+        for (file, (name, text)) in texts.iter().enumerate() {
+            shelf.files.push(LibraryFile { id: FileId((first + file) as u16), name, text });
+            for Outlined { range, name, is_documented } in outlined(text) {
+                let functions = shelf.by_name.entry(name).or_default();
+                functions.places.push(shelf.items.len());
+                functions.is_public |= is_documented;
+                let (parsed, contract) = (OnceLock::new(), OnceLock::new());
+                shelf.items.push(Piece { file, range, parsed, contract });
+            }
+        }
+        shelf
+    }
+
+    /// The files, in order.
+    pub fn files(&self) -> &[LibraryFile] {
+        &self.files
+    }
+
+    /// The items of a file, in order.
+    pub fn items_of(&'static self, file: &LibraryFile) -> impl Iterator<Item = &'static Item> {
+        let id = file.id;
+        self.items.iter().filter(move |piece| self.files[piece.file].id == id).map(|piece| self.item(piece))
+    }
+
+    /// The names of the functions that every file can use, in no order.
+    pub fn public_names(&self) -> impl Iterator<Item = &'static str> {
+        self.by_name.iter().filter(|(_, functions)| functions.is_public).map(|(name, _)| *name)
+    }
+
+    /// Whether there is a function of this name that every file can use.
+    pub fn is_public(&self, name: &str) -> bool {
+        self.by_name.get(name).is_some_and(|functions| functions.is_public)
+    }
+
+    /// The functions of a name.
+    pub fn functions(&'static self, name: &str) -> impl Iterator<Item = &'static Function> {
+        let places = self.by_name.get(name).into_iter().flat_map(|functions| &functions.places);
+        places.filter_map(|place| match &self.item(&self.items[*place]).kind {
+            ItemKind::Fn(function) => Some(&**function),
+            _ => None,
+        })
+    }
+
+    /// What a function of these files promises and requires.
+    pub fn contract_of(&'static self, function: &Function) -> Option<&'static Contract<'static>> {
+        let piece = self.piece_of(function)?;
+        let contract =
+            piece.contract.get_or_init(|| Contract::of(&self.item(piece).attributes, true, &mut Vec::new()));
+        (!contract.is_empty()).then_some(contract)
+    }
+
+    /// The first sentence of what is said of a function of these files, on one line.
+    pub fn summary_of(&'static self, function: &Function) -> Option<Arc<str>> {
+        let docs = one_line(&self.item(self.piece_of(function)?).docs);
+        (!docs.is_empty()).then(|| Arc::from(&docs[..end_of_sentence(&docs)]))
+    }
+
+    /// The piece in which a function's name stands.
+    fn piece_of(&self, function: &Function) -> Option<&Piece> {
+        let span = function.name.span;
+        let file = usize::from(span.file.0.checked_sub(self.files.first()?.id.0)?);
+        let after = self.items.partition_point(|p| (p.file, p.range.start) <= (file, span.start as usize));
+        self.items.get(after.checked_sub(1)?).filter(|piece| piece.file == file)
+    }
+
+    fn item(&'static self, piece: &'static Piece) -> &'static Item {
+        piece.parsed.get_or_init(|| {
+            let LibraryFile { id, name, text } = self.files[piece.file];
+            let (mut file, diagnostics) = sdf_syntax::parse_part(id, text, piece.range.clone());
+            assert!(diagnostics.is_empty(), "{name} is not well formed: {diagnostics:?}");
+            file.items.pop().unwrap_or_else(|| panic!("{name} has no item in {:?}", piece.range))
+        })
+    }
+}
+
+impl LibraryFile {
+    /// Its name without the folder, such as `shapes.sdf`.
+    pub fn short_name(&self) -> &'static str {
+        let name = self.name.trim_matches(['<', '>']);
+        name.rsplit('/').next().unwrap_or(name)
+    }
+}
+
+/// A function as the lines of its file show it.
+struct Outlined {
+    /// From its doc comment or its first attribute to the beginning of what follows it.
+    range: Range<usize>,
+    name: &'static str,
+    is_documented: bool,
+}
+
+/// The functions of a file. In the compiler's own files what belongs to a function stands directly at the beginning of
+/// lines: its comments, its attributes and its `fn`; all other lines of it begin with a space or a closing bracket.
+fn outlined(text: &'static str) -> Vec<Outlined> {
+    let mut out: Vec<Outlined> = Vec::new();
+    // Where what stands before the next `fn` begins, and whether a doc comment is part of it.
+    let mut heading: Option<(usize, bool)> = None;
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        let start = at;
+        at += line.len();
+        let name = line.strip_prefix("fn ");
+        if name.is_some() || line.starts_with(['@', '/']) {
+            if let (None, Some(before)) = (heading, out.last_mut()) {
+                before.range.end = start;
+            }
+            let (begin, documented) = heading.unwrap_or((start, false));
+            heading = Some((begin, documented || line.starts_with("///")));
+        }
+        if let (Some(name), Some((begin, is_documented))) = (name, heading) {
+            let end = name.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(name.len());
+            out.push(Outlined { range: begin..text.len(), name: &name[..end], is_documented });
+            heading = None;
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::errors;
+    use crate::names::same_parameters;
+    use std::collections::BTreeSet;
+
+    /// What the lines show is what the parser finds in the whole file, place by place.
+    #[test]
+    fn pieces_are_the_items_of_the_file() {
+        for shelf in [std(), runtime()] {
+            for file in shelf.files() {
+                let (whole, diagnostics) = sdf_syntax::parse(file.id, file.text);
+                assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", file.name);
+                let pieces: Vec<&Item> = shelf.items_of(file).collect();
+                assert_eq!(pieces.len(), whole.items.len(), "{}", file.name);
+                for (piece, item) in pieces.into_iter().zip(&whole.items) {
+                    assert_eq!(piece, item, "{}", file.name);
+                    let ItemKind::Fn(function) = &piece.kind else {
+                        panic!("{} has more than functions: {item:?}", file.name)
+                    };
+                    let found = shelf.functions(&function.name.text);
+                    assert!(found.into_iter().any(|f| f == &**function), "{}", function.name.text);
+                    assert!(item.docs.is_empty() || shelf.is_public(&function.name.text));
+                }
+            }
+        }
+    }
+
+    /// What is said of a user's items is not asked of these at every start, so it is asked here.
+    #[test]
+    fn items_are_in_order() {
+        for shelf in [std(), runtime()] {
+            let mut diagnostics = Vec::new();
+            for piece in &shelf.items {
+                Contract::of(&shelf.item(piece).attributes, true, &mut diagnostics);
+            }
+            for name in shelf.by_name.keys() {
+                let functions: Vec<&Function> = shelf.functions(name).collect();
+                for (i, function) in functions.iter().enumerate() {
+                    if let Some(other) = functions[..i].iter().find(|other| same_parameters(other, function))
+                    {
+                        diagnostics.push(errors::defined_twice(&function.name, other.name.span));
+                    }
+                }
+            }
+            assert!(diagnostics.is_empty(), "{diagnostics:#?}");
+        }
+    }
+
+    #[test]
+    fn a_function_has_its_own_contract_and_words() {
+        let places: BTreeSet<_> = std()
+            .items
+            .iter()
+            .map(|piece| {
+                let ItemKind::Fn(function) = &std().item(piece).kind else { unreachable!("tested above") };
+                let found = std().piece_of(function).expect("a piece");
+                assert!(std::ptr::eq(found, piece), "{}", function.name.text);
+                (found.file, found.range.start)
+            })
+            .collect();
+        assert_eq!(places.len(), std().items.len());
+        let sphere = std().functions("sphere").next().expect("a sphere");
+        assert!(std().contract_of(sphere).is_some_and(|contract| contract.bounds.is_some()));
+        assert!(std().summary_of(sphere).is_some_and(|summary| summary.ends_with('.')));
+    }
 }

@@ -6,7 +6,7 @@
 
 use crate::context::{Scope, hash};
 use crate::eval::{Elaborator, Eval};
-use crate::value::{Env, Number, Repr, Shape, Value};
+use crate::value::{Callable, Candidate, Env, Number, Repr, Shape, Value};
 use rustc_hash::FxHashMap;
 use sdf_ir::Constant;
 use sdf_syntax::Diagnostic;
@@ -156,7 +156,7 @@ fn add_value(value: &Value<'_>, is_outermost: bool, key: &mut Vec<u64>) {
         Value::Number(n) => add_number(n, key),
         Value::Shape(shape) => place(5, Rc::as_ptr(shape).cast()),
         Value::Material(material) => place(6, Rc::as_ptr(material).cast()),
-        Value::Function(function) => place(7, Rc::as_ptr(function).cast()),
+        Value::Function(function) => place(7, function_place(function)),
         Value::List(list) if is_outermost && list.items.len() < KEY_LIMIT => {
             key.extend([8, list.items.len() as u64]);
             list.items.iter().for_each(|item| add_value(item, false, key));
@@ -170,6 +170,18 @@ fn add_value(value: &Value<'_>, is_outermost: bool, key: &mut Vec<u64>) {
             }
         }
         Value::Record(record) => place(11, Rc::as_ptr(record).cast()),
+    }
+}
+
+/// What tells a function from others: one that has a name is the same wherever that stands.
+fn function_place(function: &Rc<Callable<'_>>) -> *const () {
+    match &**function {
+        Callable::Overloads(_, candidates) => match candidates.first() {
+            Some(Candidate::Written(written, _)) => std::ptr::from_ref(*written).cast(),
+            Some(Candidate::BuiltIn(built_in)) => std::ptr::from_ref(*built_in).cast(),
+            None => Rc::as_ptr(function).cast(),
+        },
+        Callable::Lambda { .. } | Callable::Native(_) => Rc::as_ptr(function).cast(),
     }
 }
 

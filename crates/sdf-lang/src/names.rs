@@ -4,6 +4,7 @@ use crate::builtin;
 use crate::contract::Contract;
 use crate::errors;
 use crate::import::Files;
+use crate::library::{self, Shelf};
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{Binding, Expr, File, Function, ItemKind, Name, Record, Scene, SettingsKind};
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
@@ -28,7 +29,7 @@ impl Item<'_> {
     }
 }
 
-/// The items of one module.
+/// The items of one file of the user's.
 #[derive(Debug, Default)]
 pub(crate) struct Items<'t> {
     pub functions: HashMap<Arc<str>, Vec<&'t Function>>,
@@ -38,8 +39,6 @@ pub(crate) struct Items<'t> {
     pub lights: Vec<(&'t Name, &'t Record)>,
     pub settings: Vec<(SettingsKind, &'t Record, Span)>,
     pub scenes: Vec<(&'t Scene, Span)>,
-    /// The first sentence of what is said of each function, by its place in memory.
-    pub docs: HashMap<*const (), Arc<str>>,
     /// What items promise and require, by their places in memory.
     pub contracts: HashMap<*const (), Contract<'t>>,
     /// The files whose items it sees, as far as its own do not hide them. What those import it does not see.
@@ -69,7 +68,7 @@ impl Clash {
     }
 }
 
-/// The items of all modules.
+/// The items of the user's files by name; those of the compiler's own files are on shelves.
 pub(crate) struct Names<'t> {
     /// The root file.
     pub user: Items<'t>,
@@ -77,37 +76,23 @@ pub(crate) struct Names<'t> {
     imported: Vec<Items<'t>>,
     /// The names that params have outside their files, by module and name.
     params: HashMap<(Module, Arc<str>), Arc<str>>,
-    pub library: Items<'t>,
-    pub runtime: Items<'t>,
 }
 
 impl<'t> Names<'t> {
-    /// Collects the items of the user's files, the library and the renderer.
-    pub fn new(
-        root: &'t File,
-        files: &'t Files,
-        library: &[&'t File],
-        runtime: &[&'t File],
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> Names<'t> {
+    /// Collects the items of the user's files.
+    pub fn new(root: &'t File, files: &'t Files, diagnostics: &mut Vec<Diagnostic>) -> Names<'t> {
         let module = |place: &usize| Module::User(*place as u16 + 1);
-        let mut user = collect(&[root], Module::ROOT, diagnostics);
+        let mut user = collect(root, diagnostics);
         user.imports = files.of_root.places.iter().map(module).collect();
         user.incomplete = files.of_root.failed;
         let mut imported = Vec::new();
-        for (place, file) in files.imported.iter().enumerate() {
-            let mut items = collect(&[&file.tree], module(&place), diagnostics);
+        for file in &files.imported {
+            let mut items = collect(&file.tree, diagnostics);
             items.imports = file.imports.places.iter().map(module).collect();
             items.incomplete = file.imports.failed;
             imported.push(items);
         }
-        let mut names = Names {
-            user,
-            imported,
-            params: HashMap::new(),
-            library: collect(library, Module::Library, diagnostics),
-            runtime: collect(runtime, Module::Runtime, diagnostics),
-        };
+        let mut names = Names { user, imported, params: HashMap::new() };
         names.params = param_names(&names, files);
         names
     }
@@ -137,41 +122,91 @@ impl<'t> Names<'t> {
         params.collect()
     }
 
-    pub fn module(&self, module: Module) -> &Items<'t> {
+    /// The items of a file of the user's.
+    fn file(&self, module: Module) -> Option<&Items<'t>> {
         match module {
-            Module::Library => &self.library,
-            Module::Runtime => &self.runtime,
-            Module::ROOT => &self.user,
-            Module::User(number) => &self.imported[usize::from(number) - 1],
+            Module::Library | Module::Runtime => None,
+            Module::ROOT => Some(&self.user),
+            Module::User(number) => Some(&self.imported[usize::from(number) - 1]),
         }
+    }
+
+    /// The files whose items a module sees, as far as its own do not hide them.
+    fn imports(&self, module: Module) -> impl Iterator<Item = (Module, &Items<'t>)> {
+        let imports = self.file(module).into_iter().flat_map(|items| &items.imports);
+        imports.filter_map(|from| Some((*from, self.file(*from)?)))
+    }
+
+    /// Whether a file that the module imports could not be read, so that a name that means nothing may come from there.
+    pub fn is_incomplete(&self, module: Module) -> bool {
+        self.file(module).is_some_and(|items| items.incomplete)
+    }
+
+    /// The functions that a module itself defines under a name; the library's own are found behind all others.
+    fn own_functions(&self, name: &str, module: Module) -> Vec<&'t Function> {
+        match module {
+            Module::Library => Vec::new(),
+            Module::Runtime => library::runtime().functions(name).collect(),
+            Module::User(_) => {
+                self.file(module).and_then(|items| items.functions.get(name)).cloned().unwrap_or_default()
+            }
+        }
+    }
+
+    /// Whether a module itself defines a function of this name.
+    fn has_own_function(&self, name: &str, module: Module) -> bool {
+        match self.file(module) {
+            Some(items) => items.functions.contains_key(name),
+            None => !self.own_functions(name, module).is_empty(),
+        }
+    }
+
+    /// The value that a module itself defines under a name; the compiler's own files define functions alone.
+    fn own_value(&self, name: &str, module: Module) -> Option<Item<'t>> {
+        self.file(module)?.values.get(name).copied()
+    }
+
+    /// What a function promises and requires, if anything.
+    pub fn contract_of(&self, function: &Function, module: Module) -> Option<&Contract<'t>> {
+        match shelf(module) {
+            Some(shelf) => shelf.contract_of(function),
+            None => self.file(module)?.contracts.get(&std::ptr::from_ref(function).cast()),
+        }
+    }
+
+    /// The same of a `let`, with the file that it stands in.
+    pub fn contract_of_let(&self, binding: &Binding) -> Option<(Module, &Contract<'t>)> {
+        let place = std::ptr::from_ref(binding).cast();
+        self.user_modules().find_map(|(module, items)| Some((module, items.contracts.get(&place)?)))
+    }
+
+    /// The first sentence of what is said of a function. What a user wrote never reaches an output, so only the
+    /// compiler's own files are quoted.
+    pub fn summary_of(&self, function: &Function, module: Module) -> Option<Arc<str>> {
+        shelf(module)?.summary_of(function)
     }
 
     /// What a name means: what the module itself defines, else what it imports, else what the library has.
     pub fn meaning(&self, name: &str, module: Module) -> Meaning<'t> {
-        let own = self.module(module);
-        if let Some(item) = own.values.get(name) {
-            return Meaning::Value(module, *item);
+        if let Some(item) = self.own_value(name, module) {
+            return Meaning::Value(module, item);
         }
         match self.imported_meaning(name, module) {
             Meaning::Nothing => {}
-            meaning if !own.functions.contains_key(name) => return meaning,
+            meaning if !self.has_own_function(name, module) => return meaning,
             _ => {}
         }
         match self.functions(name, module) {
             Err(clash) => Meaning::Clash(clash),
             Ok(functions) if !functions.is_empty() => Meaning::Functions(functions),
-            Ok(_) => match self.library.values.get(name) {
-                Some(item) => Meaning::Value(Module::Library, *item),
-                None => Meaning::Nothing,
-            },
+            Ok(_) => Meaning::Nothing,
         }
     }
 
     /// Whether a name means a value that the module defines or imports.
     pub fn is_value(&self, name: &str, module: Module) -> bool {
-        let own = self.module(module);
-        own.values.contains_key(name)
-            || !own.functions.contains_key(name)
+        self.own_value(name, module).is_some()
+            || !self.has_own_function(name, module)
                 && matches!(self.imported_meaning(name, module), Meaning::Value(..))
     }
 
@@ -180,14 +215,13 @@ impl<'t> Names<'t> {
     fn imported_meaning(&self, name: &str, module: Module) -> Meaning<'t> {
         let mut value: Option<(Module, Item<'t>)> = None;
         let mut functions: Vec<(Module, &'t Function)> = Vec::new();
-        for from in &self.module(module).imports {
-            let items = self.module(*from);
+        for (from, items) in self.imports(module) {
             let before = value.map(|(_, item)| item.span()).or(functions.first().map(|(_, f)| f.name.span));
             if let Some(item) = items.values.get(name) {
                 if let Some(before) = before {
                     return Meaning::Clash(Clash(before, item.span()));
                 }
-                value = Some((*from, *item));
+                value = Some((from, *item));
             }
             for function in items.functions.get(name).into_iter().flatten() {
                 let same = functions.iter().find(|(_, f)| same_parameters(f, function));
@@ -195,7 +229,7 @@ impl<'t> Names<'t> {
                 if let Some(other) = other {
                     return Meaning::Clash(Clash(other, function.name.span));
                 }
-                functions.push((*from, function));
+                functions.push((from, function));
             }
         }
         match value {
@@ -219,8 +253,9 @@ impl<'t> Names<'t> {
     /// The same behind a `.`, where a value that cannot be called hides nothing.
     pub fn methods(&self, name: &str, module: Module) -> Result<Vec<Candidate<'t>>, Clash> {
         if module != Module::Library {
-            if let Some(list) = self.module(module).functions.get(name) {
-                return Ok(list.iter().map(|f| Candidate::Written(f, module)).collect());
+            let own = self.own_functions(name, module);
+            if !own.is_empty() {
+                return Ok(own.into_iter().map(|f| Candidate::Written(f, module)).collect());
             }
             match self.imported_meaning(name, module) {
                 Meaning::Functions(functions) => return Ok(functions),
@@ -228,21 +263,12 @@ impl<'t> Names<'t> {
                 Meaning::Value(..) | Meaning::Nothing => {}
             }
         }
-        Ok(self.library_functions(name))
+        Ok(library_functions(name, module))
     }
 
-    /// Whether the library, or the compiler, has a function of this name.
+    /// Whether the library, or the compiler, has a function of this name that every file can use.
     pub fn is_of_library(&self, name: &str) -> bool {
-        self.library.functions.contains_key(name) || builtin::all().iter().any(|b| b.name == name)
-    }
-
-    fn library_functions(&self, name: &str) -> Vec<Candidate<'t>> {
-        let written = self.library.functions.get(name).into_iter().flatten();
-        let built_in = builtin::all().iter().filter(|b| b.name == name);
-        written
-            .map(|f| Candidate::Written(f, Module::Library))
-            .chain(built_in.map(Candidate::BuiltIn))
-            .collect()
+        library::std().is_public(name) || builtin::all().iter().any(|b| b.name == name)
     }
 
     /// What `name` is said to be where nothing has it.
@@ -257,10 +283,8 @@ impl<'t> Names<'t> {
                 "it is part of the language; use another for now",
             );
         }
-        let own = self.module(module);
-        let imported = own.imports.iter().map(|from| self.module(*from));
-        let mut all: Vec<&str> =
-            imported.chain([own]).flat_map(|items| items.values.keys()).map(|k| &**k).collect();
+        let files = self.imports(module).map(|(_, items)| items).chain(self.file(module));
+        let mut all: Vec<&str> = files.flat_map(|items| items.values.keys()).map(|k| &**k).collect();
         all.extend(locals.iter().map(|l| &**l));
         all.extend(builtin::CONSTANTS);
         all.extend(self.function_names(module));
@@ -295,11 +319,30 @@ impl<'t> Names<'t> {
     }
 
     fn function_names(&self, module: Module) -> impl Iterator<Item = &str> {
-        let own = self.module(module);
-        let imported = own.imports.iter().map(|from| self.module(*from));
-        let user = imported.chain([own]).flat_map(|items| items.functions.keys());
-        user.chain(self.library.functions.keys()).map(|k| &**k).chain(builtin::all().iter().map(|b| b.name))
+        let files = self.imports(module).map(|(_, items)| items).chain(self.file(module));
+        let written = files.flat_map(|items| items.functions.keys()).map(|k| &**k);
+        let ours = library::std().public_names().chain(builtin::all().iter().map(|b| b.name));
+        written.chain(ours.map(|name| -> &str { name }))
     }
+}
+
+/// The shelf that a module is, unless it is a file of the user's.
+fn shelf(module: Module) -> Option<&'static Shelf> {
+    match module {
+        Module::Library => Some(library::std()),
+        Module::Runtime => Some(library::runtime()),
+        Module::User(_) => None,
+    }
+}
+
+/// The functions of a name that the library and the compiler have. What the library has for its own use, users'
+/// files do not see.
+fn library_functions<'t>(name: &str, module: Module) -> Vec<Candidate<'t>> {
+    let std = library::std();
+    let is_seen = !module.is_user() || std.is_public(name);
+    let written = is_seen.then(|| std.functions(name)).into_iter().flatten();
+    let built_in = builtin::all().iter().filter(|b| b.name == name);
+    written.map(|f| Candidate::Written(f, Module::Library)).chain(built_in.map(Candidate::BuiltIn)).collect()
 }
 
 /// The names that the renderer's uniforms and constants have, which no param can have outside its file.
@@ -328,11 +371,11 @@ fn param_names(names: &Names<'_>, files: &Files) -> HashMap<(Module, Arc<str>), 
     out
 }
 
-fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
+fn collect<'t>(file: &'t File, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
     let mut items = Items::default();
     let mut first: HashMap<Arc<str>, (Span, bool)> = HashMap::new();
     let mut lights: HashMap<Arc<str>, Span> = HashMap::new();
-    for item in files.iter().flat_map(|f| &f.items) {
+    for item in &file.items {
         let place: Option<*const ()> = match &item.kind {
             ItemKind::Fn(function) => Some(std::ptr::from_ref(&**function).cast()),
             ItemKind::Let(binding) => Some(std::ptr::from_ref(binding).cast()),
@@ -343,10 +386,6 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
             && !contract.is_empty()
         {
             items.contracts.insert(place, contract);
-        }
-        // What a user wrote never reaches an output, so only the compiler's own files are quoted.
-        if let (Some(place), false, false) = (place, module.is_user(), item.docs.is_empty()) {
-            items.docs.insert(place, first_sentence(&item.docs));
         }
         match &item.kind {
             // What it brings stands in `Items::imports`.
@@ -392,81 +431,8 @@ fn collect<'t>(files: &[&'t File], module: Module, diagnostics: &mut Vec<Diagnos
 
 /// The names of the language's library that are not there yet.
 const UNBUILT: &[&str] = &[
-    "box_frame",
-    "capped_torus",
-    "link",
-    "infinite_cylinder",
-    "segment_cylinder",
-    "round_cylinder",
-    "capped_cone",
-    "infinite_cone",
-    "round_cone",
-    "solid_angle",
-    "cut_sphere",
-    "hollow_sphere",
-    "hex_prism",
-    "tri_prism",
-    "pyramid",
-    "tetrahedron",
-    "dodecahedron",
-    "icosahedron",
-    "rhombus_prism",
-    "triangle3",
-    "quad",
-    "tube",
-    "helix",
-    "gyroid",
-    "heightfield",
-    "menger",
     "mandelbulb",
-    "round_rect",
-    "segment",
-    "ellipse",
-    "triangle",
-    "ngon",
-    "star",
-    "rhombus",
-    "trapezoid",
-    "parallelogram",
-    "pie",
-    "arc",
-    "ring",
-    "vesica",
-    "moon",
-    "heart",
-    "egg",
-    "cross2",
-    "bezier",
-    "half_plane",
-    "extrude_round",
-    "slice",
-    "chamfer",
-    "stairs",
-    "pipe",
-    "groove",
-    "tongue",
-    "engrave",
-    "morph",
-    "orient",
-    "flip",
-    "repeat_each",
-    "repeat_polar",
-    "bend",
-    "taper",
-    "shear",
-    "warp",
-    "palette",
-    "hsv",
-    "fbm",
-    "voronoi",
 ];
-
-/// The first sentence of a doc comment, on one line.
-fn first_sentence(docs: &str) -> Arc<str> {
-    let line = docs.split_whitespace().collect::<Vec<_>>().join(" ");
-    let end = line.find(". ").map_or(line.len(), |i| i + 1);
-    Arc::from(&line[..end])
-}
 
 fn add_value<'t>(
     items: &mut Items<'t>,
@@ -484,7 +450,8 @@ fn add_value<'t>(
     items.order.push((name, item));
 }
 
-fn same_parameters(a: &Function, b: &Function) -> bool {
+/// Whether two functions of a name could not be told apart where they are called.
+pub(crate) fn same_parameters(a: &Function, b: &Function) -> bool {
     let kinds =
         |f: &Function| f.parameters.iter().map(|p| (p.ty.map(|t| t.kind), p.variadic)).collect::<Vec<_>>();
     kinds(a) == kinds(b)

@@ -1,6 +1,5 @@
 //! A file as a scene: its shapes, its settings, and the renderer round them.
 
-use crate::context::Contexts;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::expansion::{OPERATION_LIMIT, Size};
@@ -14,7 +13,6 @@ use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
 use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
-use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -25,44 +23,11 @@ pub(crate) fn elaborate(
     files: &import::Files,
     options: &Options,
 ) -> (Option<Scene>, Vec<Diagnostic>, usize) {
-    let library = library::library();
     let mut diagnostics = Vec::new();
-    let std: Vec<&File> = library.std.iter().collect();
-    let runtime: Vec<&File> = library.runtime.iter().collect();
-    let names = Names::new(tree, files, &std, &runtime, &mut diagnostics);
+    let names = Names::new(tree, files, &mut diagnostics);
     names.check(sources, &mut diagnostics);
-    let mut elaborator = Elaborator {
-        sources,
-        names: &names,
-        contexts: Contexts::new(),
-        diagnostics,
-        items: HashMap::new(),
-        pending: Vec::new(),
-        shape_functions: HashMap::new(),
-        not_outlined: HashSet::new(),
-        origins: Vec::new(),
-        samples: None,
-        gradients: sdf_ir::gradient::Gradients::default(),
-        overrides: options.set.iter().cloned().collect(),
-        columns: BTreeSet::new(),
-        finding_columns: false,
-        scene_parts: Vec::new(),
-        active: Default::default(),
-        calls: 0,
-        work: 0,
-        work_limit: 0,
-        in_loop: false,
-        in_for: false,
-        is_trial: false,
-        skipped: 0,
-        inert: None,
-        memos: crate::memo::Memos::default(),
-        sizes: crate::expansion::Sizes::default(),
-        place: Span::default(),
-        framed: None,
-        facts: crate::facts::Facts::new(),
-        exhausted: false,
-    };
+    let mut elaborator = Elaborator::new(sources, &names, diagnostics);
+    elaborator.overrides = options.set.iter().cloned().collect();
     let scene = elaborator.scene(options);
     let Elaborator { contexts, mut diagnostics, work, .. } = elaborator;
     let scene =
@@ -226,9 +191,8 @@ impl<'t> Elaborator<'t> {
 
     /// A function of one parameter: the renderer's of this name, with the scene filled in.
     fn entry(&mut self, name: &str, (parameter, ty): (&str, Type), scene: &Value<'t>) -> Eval<FunctionId> {
-        let [function] = self.names.runtime.functions[name][..] else {
-            unreachable!("the renderer has one function `{name}`")
-        };
+        let function = library::runtime().functions(name).next();
+        let function = function.unwrap_or_else(|| unreachable!("the renderer has a function `{name}`"));
         self.contexts.open(&Arc::from(name), None);
         let argument = self.contexts.entry_parameter(parameter, ty);
         let arguments =

@@ -122,7 +122,7 @@ impl<'t> Elaborator<'t> {
         let name = function_name(origin);
         let line = self.line(origin.function.name.span);
         self.contexts.open(&name, line);
-        self.contexts.describe(self.names.module(origin.module).docs.get(&origin.place()).cloned());
+        self.contexts.describe(self.names.summary_of(origin.function, origin.module));
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
         let mut inside = Env::new(env.module);
         for (name, value) in env.variables() {

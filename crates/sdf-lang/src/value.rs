@@ -218,13 +218,6 @@ pub(crate) struct Origin<'t> {
     pub module: Module,
 }
 
-impl Origin<'_> {
-    /// The function's place in memory, which tells it from others.
-    pub fn place(&self) -> *const () {
-        std::ptr::from_ref(self.function).cast()
-    }
-}
-
 /// How to make a named shape once more, with its numbers seen from inside its function.
 #[derive(Debug, Clone)]
 pub(crate) enum Thunk<'t> {

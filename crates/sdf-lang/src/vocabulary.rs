@@ -5,14 +5,13 @@ use crate::contract::ATTRIBUTES;
 use crate::library;
 use crate::settings::BLOCKS;
 use crate::surface::Column;
-use sdf_syntax::tree::ItemKind;
 use std::collections::BTreeSet;
 
 /// The words that every file can use, reserved words apart. All lists are sorted but that of the blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Vocabulary {
     /// The functions of the standard library, which are written in the language.
-    pub library: Vec<String>,
+    pub library: Vec<&'static str>,
     /// The functions that are built in.
     pub built_in: Vec<&'static str>,
     /// The constants and inputs.
@@ -25,13 +24,7 @@ pub struct Vocabulary {
 
 /// The words that every file can use.
 pub fn vocabulary() -> Vocabulary {
-    let items = library::library().std.iter().flat_map(|file| &file.items);
-    let library: BTreeSet<String> = items
-        .filter_map(|item| match &item.kind {
-            ItemKind::Fn(function) => Some(function.name.text.to_string()),
-            _ => None,
-        })
-        .collect();
+    let library: BTreeSet<&str> = library::std().public_names().collect();
     let built_in: BTreeSet<&str> = builtin::all().iter().map(|function| function.name).collect();
     let mut constants = builtin::CONSTANTS.to_vec();
     let mut attributes = ATTRIBUTES.to_vec();

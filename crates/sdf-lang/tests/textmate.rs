@@ -23,8 +23,7 @@ const NAME: &str = "[A-Za-z_][A-Za-z0-9_]*";
 /// The rules that have lists of words in them, as the compiler has them.
 fn rules_with_words() -> Vec<(&'static str, String)> {
     let words = vocabulary();
-    let functions: BTreeSet<&str> =
-        words.library.iter().map(String::as_str).chain(words.built_in.iter().copied()).collect();
+    let functions: BTreeSet<&str> = words.library.iter().chain(&words.built_in).copied().collect();
     let functions = functions.into_iter().collect::<Vec<_>>().join("|");
     let plain_blocks: Vec<&str> = ITEM_WORDS.into_iter().filter(|word| *word != "light").collect();
     let types =
@@ -344,7 +343,7 @@ fn differences(grammar: &Grammar, text: &str) -> Vec<String> {
             out.push(format!("`{written}` at {} is {found:?}, not {allowed:?}", span.start));
         }
         // A word has a class of the library's only where the library has it, and always where it is called.
-        let is_function = words.built_in.contains(&written) || words.library.iter().any(|w| w == written);
+        let is_function = words.built_in.contains(&written) || words.library.contains(&written);
         let is_called = tokens.get(i + 1).is_some_and(|(next, _)| *next == Token::OpenParen);
         let is_defined = previous == Some(Token::Fn);
         if let Token::Name(_) = token {

@@ -20,5 +20,5 @@ pub mod tree;
 pub use code::Code;
 pub use diagnostic::{Diagnostic, Severity, did_you_mean};
 pub use foreign::{foreign_name, foreign_setting};
-pub use parse::{DIAGNOSTIC_LIMIT, FILE_LIMIT, decode, parse};
+pub use parse::{DIAGNOSTIC_LIMIT, FILE_LIMIT, decode, parse, parse_part};
 pub use span::{FileId, Source, Sources, Span};

@@ -6,10 +6,11 @@ use crate::mistake::{self, Mistake};
 use crate::outline::{Outline, Piece, outline};
 use crate::parser;
 use crate::span::{FileId, Span};
-use crate::token::{Lexed, lex};
+use crate::token::{Lexed, lex_from};
 use crate::tree::{File, Item};
 use chumsky::Parser;
 use chumsky::input::Input;
+use std::ops::Range;
 
 /// The most bytes a file may have.
 pub const FILE_LIMIT: usize = 8 << 20;
@@ -33,10 +34,16 @@ pub fn decode(file: FileId, bytes: &[u8]) -> Result<String, Diagnostic> {
 ///
 /// [`ExprKind::Error`]: crate::tree::ExprKind::Error
 pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
+    parse_part(file, text, 0..text.len())
+}
+
+/// Reads the items in a part of a file, the bytes in `part`. Their places are those that they have in the file.
+pub fn parse_part(file: FileId, text: &str, part: Range<usize>) -> (File, Vec<Diagnostic>) {
     if text.len() > FILE_LIMIT {
         return (File::default(), vec![file_too_large(file)]);
     }
-    let lexed = lex(file, text);
+    let text = &text[..part.end];
+    let lexed = lex_from(file, text, part.start);
     let outlined = outline(text, file, &lexed.tokens, comment_is_open(&lexed));
     let (items, mistakes) = items(file, text, &lexed, &outlined);
     let mut diagnostics = lexed.diagnostics;

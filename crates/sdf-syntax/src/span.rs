@@ -1,5 +1,7 @@
 //! Where something stands in the source: a file and a range of bytes.
 
+use std::sync::OnceLock;
+
 /// A file of one compilation: an index into [`Sources`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct FileId(pub u16);
@@ -45,17 +47,15 @@ pub struct Source {
 #[derive(Debug, Clone, Default)]
 pub struct Sources {
     files: Vec<Source>,
-    /// Where the lines of each file begin.
-    lines: Vec<Vec<u32>>,
+    /// Where the lines of each file begin, once that was asked.
+    lines: Vec<OnceLock<Vec<u32>>>,
 }
 
 impl Sources {
     /// Adds a file.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
-        let text = text.into();
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        self.lines.push(std::iter::once(0).chain(ends.map(|(at, _)| at as u32 + 1)).collect());
-        self.files.push(Source { name: name.into(), text });
+        self.lines.push(OnceLock::new());
+        self.files.push(Source { name: name.into(), text: text.into() });
         FileId((self.files.len() - 1) as u16)
     }
 
@@ -69,9 +69,19 @@ impl Sources {
         self.files.get(id.0 as usize)
     }
 
+    /// Where the lines of a file begin.
+    fn lines(&self, file: FileId) -> Option<&[u32]> {
+        let text = &self.files.get(file.0 as usize)?.text;
+        let starts = || {
+            let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+            std::iter::once(0).chain(ends.map(|(at, _)| at as u32 + 1)).collect()
+        };
+        Some(self.lines[file.0 as usize].get_or_init(starts))
+    }
+
     /// The line of a byte, from 1.
     pub fn line(&self, file: FileId, byte: u32) -> usize {
-        self.lines.get(file.0 as usize).map_or(1, |starts| starts.partition_point(|start| *start <= byte))
+        self.lines(file).map_or(1, |starts| starts.partition_point(|start| *start <= byte))
     }
 
     /// The line and column of a byte, both from 1; the column counts characters.
@@ -82,7 +92,7 @@ impl Sources {
             end -= 1;
         }
         let line = self.line(file, end as u32);
-        let start = self.lines.get(file.0 as usize).map_or(0, |starts| starts[line - 1] as usize);
+        let start = self.lines(file).map_or(0, |starts| starts[line - 1] as usize);
         (line, text[start..end].chars().count() + 1)
     }
 }

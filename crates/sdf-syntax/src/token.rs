@@ -302,16 +302,21 @@ struct Problem {
 
 /// Reads all tokens of a text.
 pub fn lex(file: FileId, text: &str) -> Lexed<'_> {
+    lex_from(file, text, 0)
+}
+
+/// The same of what stands behind the first `skipped` bytes.
+pub fn lex_from(file: FileId, text: &str, skipped: usize) -> Lexed<'_> {
     let mut lexed = Lexed::default();
     let mut docs: Vec<&str> = Vec::new();
     let mut unknown: Option<Span> = None;
-    let mut lexer = Token::lexer(text);
-    if text.starts_with('\u{feff}') {
+    let mut lexer = Token::lexer(&text[skipped..]);
+    if skipped == 0 && text.starts_with('\u{feff}') {
         lexer.bump('\u{feff}'.len_utf8());
     }
     while let Some(result) = lexer.next() {
         let range = lexer.span();
-        let span = Span::new(file, range.start, range.end);
+        let span = Span::new(file, skipped + range.start, skipped + range.end);
         let Ok(token) = result else {
             match &mut unknown {
                 Some(run) if run.end == span.start => *run = run.to(span),
@@ -340,6 +345,7 @@ pub fn lex(file: FileId, text: &str) -> Lexed<'_> {
     }
     report_unknown(text, unknown, &mut lexed.diagnostics);
     for Problem { start, end, make } in std::mem::take(&mut lexer.extras.0) {
+        let (start, end) = (skipped + start, skipped + end);
         lexed.diagnostics.push(make(Span::new(file, start, end), &text[start..end]));
     }
     lexed.diagnostics.sort_by_key(|d| d.span.start);

@@ -1,6 +1,8 @@
 //! What the command understands.
 
 use crate::failure::Failure;
+use anstream::stream::RawStream;
+use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sdfc::{Device, FileLoader, Format, Language, Options, Target, reason};
 use std::ffi::OsString;
@@ -45,6 +47,17 @@ pub struct MessageArguments {
     pub deny: Option<Denied>,
 }
 
+impl MessageArguments {
+    /// Whether a stream gets colours.
+    pub fn color_on(&self, stream: &impl RawStream) -> ColorChoice {
+        match self.color {
+            Color::Auto => AutoStream::choice(stream),
+            Color::Always => ColorChoice::Always,
+            Color::Never => ColorChoice::Never,
+        }
+    }
+}
+
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -56,6 +69,8 @@ pub enum Command {
     Query(QueryArguments),
     /// Say what the code of a message means, with an example and its correction
     Explain(ExplainArguments),
+    /// Say what a function of the library, or another word of the language, does; or list them all
+    Doc(DocArguments),
 }
 
 /// `sdfc SCENE -o FILE`
@@ -153,6 +168,14 @@ pub struct ExplainArguments {
     /// The codes, as messages show them: E020, W001
     #[arg(required = true, value_name = "CODE")]
     pub codes: Vec<String>,
+}
+
+/// `sdfc doc NAME…`
+#[derive(Debug, Args)]
+pub struct DocArguments {
+    /// Names of functions and other words: sphere, smin, camera; none lists all
+    #[arg(value_name = "NAME")]
+    pub names: Vec<String>,
 }
 
 /// The arguments of this process. A point may begin with a minus sign, which would make an option of it: a space

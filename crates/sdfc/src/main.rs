@@ -6,6 +6,7 @@ mod arguments;
 mod bug;
 mod check;
 mod compile;
+mod doc;
 mod explain;
 mod facts;
 mod failure;
@@ -65,5 +66,6 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         Command::Check(arguments) => check::run(arguments, terminal),
         Command::Query(arguments) => query::run(arguments, terminal),
         Command::Explain(arguments) => explain::run(arguments),
+        Command::Doc(wanted) => doc::run(wanted, &arguments.messages),
     }
 }

@@ -10,8 +10,9 @@ mod short;
 
 use crate::arguments::{Color, Denied, MessageArguments, MessageFormat};
 use crate::failure::Failure;
-use anstream::{AutoStream, ColorChoice};
-use human::{GREEN, RED, RESET, message};
+use anstream::AutoStream;
+pub use human::{GREEN, RESET};
+use human::{RED, message};
 use json::Message;
 use sdf_syntax::{Code, Diagnostic, Sources};
 use sdfc::Clock;
@@ -35,13 +36,8 @@ pub struct Terminal {
 impl Terminal {
     /// Standard error, with colours and in a format as wanted.
     pub fn new(arguments: &MessageArguments) -> Terminal {
-        let choice = match arguments.color {
-            Color::Auto => AutoStream::choice(&io::stderr()),
-            Color::Always => ColorChoice::Always,
-            Color::Never => ColorChoice::Never,
-        };
         Terminal {
-            stream: RefCell::new(AutoStream::new(io::stderr(), choice)),
+            stream: RefCell::new(AutoStream::new(io::stderr(), arguments.color_on(&io::stderr()))),
             format: arguments.message_format,
             denies_warnings: arguments.deny == Some(Denied::Warnings),
             codes: RefCell::default(),

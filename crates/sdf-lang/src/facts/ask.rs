@@ -1,7 +1,8 @@
-//! The built-in functions that ask what is proved: `lo`, `hi`, `reach`, `slope`, and the boxes of what is turned or
-//! mirrored. What they give is known now, and holds for all values of the params and for all times.
+//! The built-in functions that ask what is proved: `lo`, `hi`, `reach`, `slope`, `most`, and the boxes of what is turned
+//! or mirrored; and `any_cell`, to ask it of shapes that differ from cell to cell. What they give is known now, and holds for all values of the params and for all times.
 
 use crate::builtin::number;
+use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::boxes;
@@ -9,8 +10,8 @@ use crate::facts::promise::{bounds_of_cell, coordinate, corner_number};
 use crate::value::{Number, Repr, Shape, Value};
 use sdf_ir::interval::{Interval, Sloped, Walker};
 use sdf_ir::number::LARGEST;
-use sdf_ir::region::{Extent, Steepness, steepest};
-use sdf_ir::{Constant, Type};
+use sdf_ir::region::{Extent, FAR, Steepness, steepest};
+use sdf_ir::{Constant, Role, Type, Uniform};
 use sdf_syntax::Span;
 use sdf_syntax::tree::Dimension;
 use std::rc::Rc;
@@ -122,6 +123,42 @@ impl<'t> Elaborator<'t> {
         self.report(errors::wrong_type(span, "a function from a point to a number", "another function"))
     }
 
+    /// `most(x)`: the largest that a number may be.
+    pub fn most_of(&mut self, arguments: &[Option<Value<'t>>], span: Span) -> Eval<Value<'t>> {
+        match self.bounds_of_number(&number(arguments, 0)) {
+            Some(bounds) => Ok(Value::float(coordinate(bounds.number().hi))),
+            None => self.report(errors::not_static(span, "what is asked for its largest value")),
+        }
+    }
+
+    /// `any_cell(first, last)`: a vector that may be any from `first` to `last`, as a cell of a repetition is.
+    pub fn any_cell(&mut self, arguments: &[Option<Value<'t>>], span: Span) -> Eval<Value<'t>> {
+        let (first, last) = (number(arguments, 0), number(arguments, 1));
+        let (Some(Constant::Vec3(first)), Some(Constant::Vec3(last))) = (first.known(), last.known()) else {
+            return self.report(errors::not_static(span, "the range of cells"));
+        };
+        let parts: Vec<Number> = (0..3)
+            .map(|i| {
+                if first[i] == last[i] {
+                    return Number::float(first[i]);
+                }
+                // What messages call it. It is a uniform of which no shader hears, for nothing is drawn with it.
+                let axis = ["x", "y", "z"][i];
+                let name = match first[i] > -FAR {
+                    true => format!("cell.{axis} in {}..{}", first[i], last[i]),
+                    false => format!("cell.{axis}"),
+                };
+                self.contexts.uniform(Uniform {
+                    name: Arc::from(name),
+                    ty: Type::Float,
+                    role: Role::Param { range: Some((first[i], last[i])), color: false },
+                    default: Constant::Float(first[i].max(0.0).min(last[i])),
+                })
+            })
+            .collect();
+        Ok(Value::Number(self.contexts.apply(Op::Compose, &parts)))
+    }
+
     /// `turned(s, axis, angle)`: the box round a shape that is turned; without an angle, by any.
     pub fn turned_box(&mut self, arguments: &[Option<Value<'t>>], _span: Span) -> Eval<Value<'t>> {
         let shape = shape_argument(arguments);
@@ -133,10 +170,13 @@ impl<'t> Elaborator<'t> {
         Ok(box_value(&boxes::turned(&extent, unit(&number(arguments, 1)), angle), Dimension::Three))
     }
 
-    /// `turned(s, angle)` of a shape of the plane.
+    /// `turned(s, angle)` of a shape of the plane; without an angle, by any.
     pub fn turned_box_in_plane(&mut self, arguments: &[Option<Value<'t>>], _span: Span) -> Eval<Value<'t>> {
         let extent = self.extent_of(&shape_argument(arguments), self.facts.level)?;
-        let angle = self.bounds_of_number(&number(arguments, 1)).map_or(Interval::ALL, |b| b.number());
+        let angle = match &arguments[1] {
+            Some(Value::Number(n)) => self.bounds_of_number(n).map_or(Interval::ALL, |b| b.number()),
+            _ => Interval::ALL,
+        };
         Ok(box_value(&boxes::turned(&extent, Some([0.0, 0.0, 1.0]), angle), Dimension::Two))
     }
 
@@ -147,6 +187,24 @@ impl<'t> Elaborator<'t> {
         let axis = self.widen(&number(arguments, 1), ty, span)?;
         let offset = self.bounds_of_number(&number(arguments, 2)).map_or(Interval::ALL, |b| b.number());
         Ok(box_value(&boxes::mirrored(&extent, unit(&axis), offset), shape.dimension))
+    }
+
+    /// `reflected(s, axis)`: the box round the mirror image of a shape.
+    pub fn reflected_box(
+        &mut self,
+        arguments: &[Option<Value<'t>>],
+        ty: Type,
+        span: Span,
+    ) -> Eval<Value<'t>> {
+        let shape = shape_argument(arguments);
+        let extent = self.extent_of(&shape, self.facts.level)?;
+        let axis = self.widen(&number(arguments, 1), ty, span)?;
+        let image = match unit(&axis) {
+            Some(axis) => boxes::reflected(&extent, axis, Interval::ZERO),
+            None if extent.is_empty() => Extent::NONE,
+            None => Extent::ALL,
+        };
+        Ok(box_value(&image, shape.dimension))
     }
 }
 

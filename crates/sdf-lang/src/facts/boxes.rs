@@ -71,7 +71,15 @@ pub(crate) fn mirrored(extent: &Extent, axis: Option<[f64; 3]>, offset: Interval
     if part.is_empty() {
         return Extent::NONE;
     }
-    let side = |i: usize| Interval::new(part.lo[i], part.hi[i]);
+    part.union(&reflected(&part, a, offset))
+}
+
+/// The box round the image of a box behind a mirror across the unit vector `axis`, at any of the places in `offset`.
+pub(crate) fn reflected(extent: &Extent, a: [f64; 3], offset: Interval) -> Extent {
+    if extent.is_empty() {
+        return Extent::NONE;
+    }
+    let side = |i: usize| Interval::new(extent.lo[i], extent.hi[i]);
     let image = |i: usize| {
         // p - 2a(a·p - offset)
         let own = Interval::ONE.minus(Interval::point(a[i]).squared().scaled(2.0)).times(side(i));
@@ -81,7 +89,7 @@ pub(crate) fn mirrored(extent: &Extent, axis: Option<[f64; 3]>, offset: Interval
         own.plus(others).plus(offset.times(Interval::point(2.0 * a[i])))
     };
     let images = [image(0), image(1), image(2)];
-    part.union(&Extent::new(images.map(|s| s.lo), images.map(|s| s.hi)))
+    Extent::new(images.map(|s| s.lo), images.map(|s| s.hi))
 }
 
 #[cfg(test)]

@@ -101,11 +101,7 @@ impl<'t> Elaborator<'t> {
     /// The contract of the function in which a field stands, if the field is what the function gives.
     pub fn contract_of_field(&self, origin: Origin<'t>, block: &Block) -> Option<&'t Contract<'t>> {
         let names = self.names;
-        names
-            .module(origin.module)
-            .contracts
-            .get(&origin.place())
-            .filter(|_| gives(&origin.function.body, block))
+        names.contract_of(origin.function, origin.module).filter(|_| gives(&origin.function.body, block))
     }
 
     /// The contract of a shape, if its own `let` or function has one.
@@ -113,14 +109,11 @@ impl<'t> Elaborator<'t> {
         let names = self.names;
         match &shape.kind {
             ShapeKind::Named { thunk: Thunk::Let(binding), .. } => {
-                let place = std::ptr::from_ref(*binding).cast();
-                let (module, contract) = names.user_modules().find_map(|(module, items)| {
-                    items.contracts.get(&place).map(|contract| (module, contract))
-                })?;
+                let (module, contract) = names.contract_of_let(binding)?;
                 Some(Stated { contract, env: Env::new(module), module })
             }
             ShapeKind::Named { thunk: Thunk::Call { function, module, arguments }, .. } => {
-                let contract = names.module(*module).contracts.get(&std::ptr::from_ref(*function).cast())?;
+                let contract = names.contract_of(function, *module)?;
                 let env = Env::new(*module);
                 let env = arguments.iter().fold(env, |env, (name, v)| env.bind(name.clone(), v.clone()));
                 Some(Stated { contract, env, module: *module })

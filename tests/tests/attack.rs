@@ -18,10 +18,10 @@ use sdf_tests::fields::entry;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// At how many points each call is tried.
-const POINTS: usize = 100_000;
+/// At how many points an example is tried, and a call like it.
+const POINTS: [usize; 2] = [100_000, 25_000];
 /// For how many points the distance is searched for: of an example, and of a call like it.
-const SEARCHES: [usize; 2] = [200, 40];
+const SEARCHES: [usize; 2] = [200, 20];
 /// How far a projected point may lie from the surface, as a share of the size.
 const PROJECTED: f64 = 1e-4;
 /// The largest share of points beside which the gradient jumps.
@@ -64,6 +64,7 @@ struct Attack<'a> {
     solid: Option<Program>,
     /// By the points that it consists of.
     curve: Option<Program>,
+    points: usize,
     searches: usize,
     is_example: bool,
 }
@@ -84,7 +85,7 @@ let Some(fact) = &subject.fact else { return row };
     }
     row.class = class_name(fact);
     row.slope = fact.slope.min(fact.slope_everywhere);
-    let points = points_round(subject, POINTS);
+    let points = points_round(subject, attack.points);
     let sampled = subject.sample(&points);
     let (steepest_pair, violations) = steepest_pair(subject, &points, &sampled.distance);
     row.steepest = steepest_pair;
@@ -244,7 +245,7 @@ fn every_contract_holds() {
     let mut subjects = Vec::new();
     for (form, calls) in &all {
         if form.examples.is_empty() {
-            complaints.push(format!("{} ({}) has no example", form.name, form.index));
+            complaints.push(format!("{} has no example", form.signature));
         }
         match calls {
             Ok(calls) => {
@@ -276,8 +277,8 @@ fn every_contract_holds() {
                 said.push(format!("{} has no definition", form.name));
             }
             let is_example = *i == 0;
-            let searches = SEARCHES[usize::from(!is_example)];
-            let mut row = attacked(&Attack { form, subject, solid, curve, searches, is_example });
+            let [points, searches] = [POINTS, SEARCHES].map(|counts| counts[usize::from(!is_example)]);
+            let mut row = attacked(&Attack { form, subject, solid, curve, points, searches, is_example });
             row.complaints.extend(said);
             row
         })

@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 /// How often a search may ask before it gives up.
-const BUDGET: usize = 30_000;
+const BUDGET: usize = 10_000;
 
 /// What a search found: the least distance lies between these, unless it gave up before they met.
 #[derive(Debug, Clone, Copy, PartialEq)]

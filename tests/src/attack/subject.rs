@@ -20,9 +20,6 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All of them.
-    pub const ALL: [Kind; 4] = [Kind::Solid, Kind::Area, Kind::Number, Kind::Vector];
-
     /// Whether it is a shape.
     pub fn is_shape(self) -> bool {
         matches!(self, Kind::Solid | Kind::Area)
@@ -89,14 +86,9 @@ pub struct Sampled {
 impl Subject {
     /// That of a call that gives this.
     pub fn new(call: &str, kind: Kind) -> Result<Subject, Refusal> {
-        Subject::with("", call, kind)
-    }
-
-    /// That of a call in a file that begins with other items.
-    pub fn with(items: &str, call: &str, kind: Kind) -> Result<Subject, Refusal> {
-        match Subject::compile(items, "", call, kind) {
+        match Subject::compile("", "", call, kind) {
             Err(Refusal::Steep) if !kind.is_shape() => {
-                let mut subject = Subject::compile(items, "@lipschitz(1)", call, kind)?;
+                let mut subject = Subject::compile("", "@lipschitz(1)", call, kind)?;
                 subject.fact = None;
                 Ok(subject)
             }
@@ -104,7 +96,13 @@ impl Subject {
         }
     }
 
+    /// That of a shape of space in a file that begins with other items.
+    pub fn with(items: &str, call: &str) -> Result<Subject, Refusal> {
+        Subject::compile(items, "", call, Kind::Solid)
+    }
+
     fn compile(items: &str, stated: &str, call: &str, kind: Kind) -> Result<Subject, Refusal> {
+        eprintln!("TRY {call}");
         let text = format!("{items}\n{}", kind.scene(stated, call));
         let options = Options { facts: true, attack: Some(0), ..Options::default() };
         let compilation = sdf_lang::compile(call, &text, &options);
@@ -157,16 +155,14 @@ fn refusal(diagnostics: &[Diagnostic]) -> Refusal {
     }
 }
 
-/// What a call gives: the first kind that it compiles as, or what is wrong with it as a shape.
+/// What a call gives.
 pub fn kind_of(call: &str) -> Result<Kind, String> {
-    let mut first = None;
-    for kind in Kind::ALL {
-        match Subject::new(call, kind) {
-            Ok(_) => return Ok(kind),
-            Err(refusal) => {
-                first.get_or_insert(refusal);
-            }
-        }
+    match sdf_lang::kind_of(call) {
+        Ok(sdf_lang::Kind::Shape) => Ok(Kind::Solid),
+        Ok(sdf_lang::Kind::Shape2) => Ok(Kind::Area),
+        Ok(sdf_lang::Kind::Float) => Ok(Kind::Number),
+        Ok(sdf_lang::Kind::Vec2 | sdf_lang::Kind::Vec3) => Ok(Kind::Vector),
+        Ok(kind) => Err(format!("{call} is a {kind:?}")),
+        Err(diagnostics) => Err(format!("{call}: {:?}", refusal(&diagnostics))),
     }
-    Err(format!("{call}: {first:?}"))
 }

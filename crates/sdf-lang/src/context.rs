@@ -287,6 +287,11 @@ impl Contexts {
         &self.stack[0].builder
     }
 
+    /// What is being built of the open function at a depth, and what tells that function from all others.
+    pub fn open_builder(&self, depth: u32) -> Option<(&Builder, u32)> {
+        self.stack.get(depth as usize).map(|context| (&context.builder, context.serial))
+    }
+
     /// The nodes of the frame that are globals of the program, in order.
     pub fn global_values(&self) -> &[sdf_ir::Value] {
         &self.global_values

@@ -322,14 +322,20 @@ pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl In
 
 /// What the author of a function or value requires does not hold.
 pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
-    Diagnostic::new(Code::E043, span, message).label("refused here").related(stated, "required here")
+    required_by(Diagnostic::new(Code::E043, span, message).label("refused here"), stated)
+}
+
+/// Shows where something is required, if that is in a file of the user; the library's messages say it all.
+fn required_by(diagnostic: Diagnostic, stated: Span) -> Diagnostic {
+    match crate::library::is_ours(stated.file) {
+        true => diagnostic,
+        false => diagnostic.related(stated, "required here"),
+    }
 }
 
 /// What is required does not hold for some values of params, which `when` names.
 pub(crate) fn breakable_requirement(span: Span, message: &str, stated: Span, when: &str) -> Diagnostic {
-    Diagnostic::new(Code::W002, span, message)
-        .label(format!("not so when {when}"))
-        .related(stated, "required here")
+    required_by(Diagnostic::new(Code::W002, span, message).label(format!("not so when {when}")), stated)
         .help("narrow the range of the param, or bound the value with `clamp`, `min` or `max`")
 }
 

@@ -39,7 +39,7 @@ mod value;
 mod vocabulary;
 mod walk;
 
-pub use facts::{Basis, Class, Fact};
+pub use facts::{Basis, Class, Copies, Fact};
 pub use glossary::{Group, glossary};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
 pub use kind::{Kind, kind_of};

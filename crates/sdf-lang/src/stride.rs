@@ -7,7 +7,7 @@
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
-use crate::facts::{Gain, corner_number};
+use crate::facts::{Gain, corner_number, parts};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Ternary, Type, Unary};
@@ -112,7 +112,7 @@ impl<'t> Elaborator<'t> {
                     return Ok(distance);
                 }
                 let by_region = slope.has_better_region() && self.extent_of(shape, 0.0)?.is_bounded();
-                let constant = if slope.wild || by_region { slope.within } else { slope.everywhere };
+                let constant = if slope.wild || by_region { slope.within } else { self.steepness(shape)? };
                 if constant.is_finite() && constant > VERY_STEEP {
                     self.warn(errors::very_steep(shape.place, constant));
                 }
@@ -123,6 +123,25 @@ impl<'t> Elaborator<'t> {
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
         }
+    }
+
+    /// How steep a field is near its surface: one that is as good as its shapes, as they are near theirs.
+    fn steepness(&mut self, shape: &Rc<Shape<'t>>) -> Eval<f64> {
+        let slope = self.slope_of(shape)?;
+        let of_parts = self.stated(shape).is_some_and(|s| s.contract.quality.is_some());
+        if !of_parts || !slope.has_better_region() && slope.within < VERY_STEEP {
+            return Ok(slope.everywhere);
+        }
+        let mut steepest = 1.0f64;
+        for part in parts(shape) {
+            let part = if self.stated(&part).is_some_and(|s| s.contract.quality.is_some()) {
+                self.steepness(&part)?
+            } else {
+                self.slope_of(&part)?.within
+            };
+            steepest = steepest.max(part);
+        }
+        Ok(steepest)
     }
 
     /// The smallest of the steps that several shapes allow.

@@ -1,7 +1,7 @@
-//! What is proved of a scene's shapes, as a table.
+//! What is proved of a scene's shapes, as a table; and below it how many copies of what is repeated each point asks, and why.
 
 use sdf_ir::region::Extent;
-use sdfc::{Basis, Class, Fact};
+use sdfc::{Basis, Class, Copies, Fact};
 
 /// The table: a row a shape, what it is made from below it.
 pub fn table(facts: &[Fact]) -> String {
@@ -15,7 +15,38 @@ pub fn table(facts: &[Fact]) -> String {
         let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
     };
-    rows.iter().map(line).collect()
+    let table: String = rows.iter().map(line).collect();
+    table + &repetitions(facts)
+}
+
+/// The copies of each repetition that each point asks, and why so many; nothing if there are no repetitions.
+fn repetitions(facts: &[Fact]) -> String {
+    let lines = facts.iter().flat_map(|fact| {
+        fact.copies.iter().map(|copies| {
+            let place = fact.line.map_or(String::new(), |line| format!(" (line {line})"));
+            format!("  {}{place}: {}\n", fact.name, reason(copies))
+        })
+    });
+    let lines: String = lines.collect();
+    match lines.is_empty() {
+        true => lines,
+        false => format!("copies that each point asks, since they may be the nearest to it:\n{lines}"),
+    }
+}
+
+/// Copies of width w with the period P can be nearest only among the ceil(w/P) + 1 nearest ones.
+fn reason(copies: &Copies) -> String {
+    let Copies { direction, asked, of, width, period } = copies;
+    let (size, step) = match direction.starts_with("around") {
+        true => (format!("{}°", short(width.to_degrees())), format!("{}°", short(period.to_degrees()))),
+        false => (short(*width), short(*period)),
+    };
+    let of = if of.is_finite() { format!(" of {}", short(*of)) } else { String::new() };
+    let proof = match asked < &copies.of {
+        true => format!("ceil({size} / {step}) + 1"),
+        false => "all".to_string(),
+    };
+    format!("{asked}{of} {direction}, {proof}: the shape is {size} wide and the period {step}")
 }
 
 fn row(fact: &Fact) -> Vec<String> {
@@ -81,6 +112,25 @@ mod tests {
         for (x, text) in [(0.0, "0"), (1.0, "1"), (0.25, "0.25"), (12.3456, "12.35"), (123456.7, "123457")] {
             assert_eq!(short(x), text);
         }
+    }
+
+    #[test]
+    fn copies_are_counted_with_the_reason() {
+        let copies = |direction: &str, asked, of, width, period| Copies {
+            direction: direction.into(),
+            asked,
+            of,
+            width,
+            period,
+        };
+        assert_eq!(
+            reason(&copies("along x", 2.0, f64::INFINITY, 0.46, 1.3)),
+            "2 along x, ceil(0.46 / 1.3) + 1: the shape is 0.46 wide and the period 1.3"
+        );
+        assert_eq!(
+            reason(&copies("around axis", 5.0, 5.0, std::f64::consts::TAU, std::f64::consts::TAU / 5.0)),
+            "5 of 5 around axis, all: the shape is 360° wide and the period 72°"
+        );
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub use field::{Field, Material, Property, Sample};
 pub use files::{FileLoader, similar_file};
 pub use sdf_emit::{Format, Target};
 pub use sdf_ir::Constant;
-pub use sdf_lang::{Basis, Class, Fact, Options, Scene};
+pub use sdf_lang::{Basis, Class, Copies, Fact, Options, Scene};
 pub use sdf_render::{Frame, Picture};
 
 use sdf_emit::Header;

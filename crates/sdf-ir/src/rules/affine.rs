@@ -233,10 +233,12 @@ fn deviation(map: &Map) -> f64 {
 /// The nearest orthonormal matrix, by one step of Newton's, `M·(3 - Mᵀ·M)/2`, without dust. So a long chain keeps
 /// its lengths.
 fn orthonormalised(map: &Map) -> Matrix {
-    let m = map.matrix.map(|row| row.map(|x| if is_dust(x) { 0.0 } else { x }));
-    std::array::from_fn(|i| {
+    let without_dust = |m: Matrix| m.map(|row| row.map(|x| if is_dust(x) { 0.0 } else { x }));
+    let m = without_dust(map.matrix);
+    // The step leaves dust of its own. A canonical map without any is not taken for one that is still to be folded.
+    without_dust(std::array::from_fn(|i| {
         std::array::from_fn(|j| {
             (0..map.size).fold(1.5 * m[i][j], |sum, k| sum - 0.5 * m[i][k] * columns(&m, k, j))
         })
-    })
+    }))
 }

@@ -407,3 +407,27 @@ fn turns_of_the_plane_are_one() {
     assert!(found.iter().zip(&expected).all(|(x, y)| (x - y).abs() < 1e-12), "{found:?} is not {expected:?}");
     assert!(operations(&chain) <= 2 + 6 + 2, "{chain}");
 }
+
+/// Two turns about axes at right angles leave entries that are zero but for rounding; whatever they are, folding ends.
+#[test]
+fn two_turns_about_any_axes_are_one() {
+    let axes = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    for n in 0..10_000u32 {
+        let (first, second) = (axes[n as usize % 3], axes[n as usize / 3 % 3]);
+        let angles = [f64::from(n % 97) * 0.1 - 4.0, f64::from(n / 97) * std::f64::consts::TAU / 7.0];
+        let mut b = Builder::new("turns", vec![Parameter { name: "p".into(), ty: Type::Vec3, point: true }]);
+        let p = b.argument(RegionId::ROOT, 0);
+        let rows = [rotation(first, angles[0]), rotation(second, angles[1])];
+        let offset = b.constant(Constant::Vec3([0.9, 0.2, 0.1]));
+        let q = three_rows(&mut b, rows[0], p);
+        let q = b.sub(q, offset);
+        let q = three_rows(&mut b, rows[1], q);
+        let function = b.finish(vec![(q, "".into())]);
+        let (Constant::Vec3(found), _) = evaluate(&function, &[Constant::Vec3([0.3, -1.2, 0.7])]) else {
+            unreachable!()
+        };
+        let [x, y, z] = apply(rows[0], [0.3, -1.2, 0.7]);
+        let expected = apply(rows[1], [x - 0.9, y - 0.2, z - 0.1]);
+        assert!(found.iter().zip(&expected).all(|(x, y)| (x - y).abs() < 1e-13), "{n}: {found:?}");
+    }
+}

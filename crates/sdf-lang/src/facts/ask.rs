@@ -26,7 +26,7 @@ impl<'t> Elaborator<'t> {
     pub fn corner_of(
         &mut self,
         arguments: &[Option<Value<'t>>],
-        span: Span,
+        _span: Span,
         corner: fn(&Extent) -> [f64; 3],
     ) -> Eval<Value<'t>> {
         let shape = shape_argument(arguments);
@@ -34,10 +34,7 @@ impl<'t> Elaborator<'t> {
             Some(_) => {
                 let level = number(arguments, 1);
                 // The largest that it may be: the box of a higher level holds that of a lower one.
-                let Some(bounds) = self.bounds_of_number(&level) else {
-                    return self.report(errors::not_static(span, "the level of a box"));
-                };
-                bounds.number().hi
+                self.bounds_of_number(&level).number().hi
             }
             None => self.facts.level,
         };
@@ -124,11 +121,9 @@ impl<'t> Elaborator<'t> {
     }
 
     /// `most(x)`: the largest that a number may be.
-    pub fn most_of(&mut self, arguments: &[Option<Value<'t>>], span: Span) -> Eval<Value<'t>> {
-        match self.bounds_of_number(&number(arguments, 0)) {
-            Some(bounds) => Ok(Value::float(coordinate(bounds.number().hi))),
-            None => self.report(errors::not_static(span, "what is asked for its largest value")),
-        }
+    pub fn most_of(&mut self, arguments: &[Option<Value<'t>>], _span: Span) -> Eval<Value<'t>> {
+        let bounds = self.bounds_of_number(&number(arguments, 0));
+        Ok(Value::float(coordinate(bounds.number().hi)))
     }
 
     /// `any_cell(first, last)`: a vector that may be any from `first` to `last`, as a cell of a repetition is.
@@ -164,7 +159,7 @@ impl<'t> Elaborator<'t> {
         let shape = shape_argument(arguments);
         let extent = self.extent_of(&shape, self.facts.level)?;
         let angle = match &arguments[2] {
-            Some(Value::Number(n)) => self.bounds_of_number(n).map_or(Interval::ALL, |b| b.number()),
+            Some(Value::Number(n)) => self.bounds_of_number(n).number(),
             _ => Interval::ALL,
         };
         Ok(box_value(&boxes::turned(&extent, unit(&number(arguments, 1)), angle), Dimension::Three))
@@ -174,7 +169,7 @@ impl<'t> Elaborator<'t> {
     pub fn turned_box_in_plane(&mut self, arguments: &[Option<Value<'t>>], _span: Span) -> Eval<Value<'t>> {
         let extent = self.extent_of(&shape_argument(arguments), self.facts.level)?;
         let angle = match &arguments[1] {
-            Some(Value::Number(n)) => self.bounds_of_number(n).map_or(Interval::ALL, |b| b.number()),
+            Some(Value::Number(n)) => self.bounds_of_number(n).number(),
             _ => Interval::ALL,
         };
         Ok(box_value(&boxes::turned(&extent, Some([0.0, 0.0, 1.0]), angle), Dimension::Two))
@@ -185,7 +180,7 @@ impl<'t> Elaborator<'t> {
         let shape = shape_argument(arguments);
         let extent = self.extent_of(&shape, self.facts.level)?;
         let axis = self.widen(&number(arguments, 1), ty, span)?;
-        let offset = self.bounds_of_number(&number(arguments, 2)).map_or(Interval::ALL, |b| b.number());
+        let offset = self.bounds_of_number(&number(arguments, 2)).number();
         Ok(box_value(&boxes::mirrored(&extent, unit(&axis), offset), shape.dimension))
     }
 

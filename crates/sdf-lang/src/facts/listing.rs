@@ -3,7 +3,7 @@
 use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::shapes_in;
-use crate::value::{Module, Shape, ShapeKind};
+use crate::value::{Module, Shape, ShapeKind, Value};
 use sdf_ir::cost;
 use sdf_ir::region::Extent;
 use sdf_ir::{Node, Type};
@@ -41,6 +41,24 @@ pub struct Fact {
     pub depends_on: Vec<String>,
     /// Scalar operations of one evaluation, at most.
     pub operations: u64,
+    /// If it repeats a shape: how many copies each point asks.
+    pub copies: Vec<Copies>,
+}
+
+/// How many copies of a repeated shape each point asks, since they may be the nearest to it. The library says so by a
+/// record with these fields beside the field that repeats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Copies {
+    /// In which direction they are repeated: `along x`, `around axis`.
+    pub direction: String,
+    /// How many are asked.
+    pub asked: f64,
+    /// How many there are; infinitely many if they never end.
+    pub of: f64,
+    /// How wide the shape's box is in that direction; of those around an axis the angle that it takes, in radians.
+    pub width: f64,
+    /// The period, or the least that it may be.
+    pub period: f64,
 }
 
 /// What a field says of the distance.
@@ -117,7 +135,37 @@ impl<'t> Elaborator<'t> {
             is_flat: shape.dimension == Dimension::Two,
             depends_on,
             operations,
+            copies: self.copies(shape),
         })
+    }
+
+    fn copies(&mut self, shape: &Shape<'t>) -> Vec<Copies> {
+        let env = match &shape.kind {
+            ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
+                return self.copies(inner);
+            }
+            ShapeKind::Field { env, .. } => env,
+            ShapeKind::Choice { .. } | ShapeKind::Union { .. } => return Vec::new(),
+        };
+        let mut out = Vec::new();
+        for (name, value) in env.variables() {
+            let Value::Record(record) = value else { continue };
+            let mut least = |field: &str| match record.get(field) {
+                Some(Value::Number(n)) => Some(self.bounds_of_number(n).number().lo),
+                _ => None,
+            };
+            let (Some(asked), Some(of), Some(width), Some(period)) =
+                (least("copies"), least("of"), least("width"), least("period"))
+            else {
+                continue;
+            };
+            if of > 1.0 {
+                let of = if of < crate::NOTHING { of } else { f64::INFINITY };
+                out.push(Copies { direction: name.replace('_', " "), asked, of, width, period });
+            }
+        }
+        out.sort_by(|a, b| a.direction.cmp(&b.direction));
+        out
     }
 
     fn line_of(&self, shape: &Shape<'t>) -> Option<u32> {

@@ -17,7 +17,8 @@ use crate::value::{Env, Module, Origin, Shape, ShapeKind, Thunk, Value};
 pub(crate) use attack::Broken;
 use derive::Formula;
 pub(crate) use derive::Gain;
-pub use listing::{Basis, Class, Fact};
+pub(crate) use listing::parts;
+pub use listing::{Basis, Class, Copies, Fact};
 pub(crate) use promise::corner_number;
 use sdf_ir::interval::Growing;
 use sdf_ir::region::Extent;
@@ -67,6 +68,8 @@ pub(crate) struct Facts<'t> {
     /// The shapes whose places are keys: as long as they are kept, no other shape gets their places.
     kept: Vec<Rc<Shape<'t>>>,
     frame: Growing,
+    /// Bounds in the open function that was asked about last, and what tells it from all others.
+    open: (u32, Growing),
     /// The level that the promise of a box that is being evaluated is about.
     pub level: f64,
     /// Whether a formula is being taken apart to be bounded.
@@ -83,6 +86,7 @@ impl Facts<'_> {
             formulas: HashMap::new(),
             kept: Vec::new(),
             frame: Growing::new(),
+            open: (u32::MAX, Growing::new()),
             level: 0.0,
             takes_apart: false,
             samples: None,

@@ -4,7 +4,7 @@ use crate::contract;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::{Stated, flat};
 use crate::value::{Env, Fields, List, Module, Number, Repr, Value};
-use sdf_ir::interval::{Bounds, Interval, Walker, bounds_of_uniform};
+use sdf_ir::interval::{Bounds, Growing, Interval, Walker, bounds_of_uniform};
 use sdf_ir::number::LARGEST;
 use sdf_ir::region::{Extent, FAR};
 use sdf_ir::{Constant, Type};
@@ -39,11 +39,7 @@ impl<'t> Elaborator<'t> {
         let ty = if dimension == Dimension::Three { Type::Vec3 } else { Type::Vec2 };
         let number = self.as_typed(value, ty, expr.span)?;
         let bounds = self.bounds_of_number(&number);
-        Ok(std::array::from_fn(|i| match &bounds {
-            _ if i >= ty.size() => Interval::ZERO,
-            Some(bounds) => bounds.part(i),
-            None => Interval::ALL,
-        }))
+        Ok(std::array::from_fn(|i| if i < ty.size() { bounds.part(i) } else { Interval::ZERO }))
     }
 
     /// The largest value in a region of an expression that may use the point `p`, with `d` being 0; infinite where
@@ -74,7 +70,7 @@ impl<'t> Elaborator<'t> {
         if !number.is_local() {
             self.contexts.discard();
             let known = self.bounds_of_number(&number);
-            return Ok(ended(known.map_or(f64::INFINITY, |b| b.number().hi)));
+            return Ok(ended(known.number().hi));
         }
         let value = self.contexts.value(&number);
         let (function, outside) = self.contexts.finish_apart(vec![value]);
@@ -108,22 +104,33 @@ impl<'t> Elaborator<'t> {
         let value = self.eval(slope, &env);
         self.diagnostics.truncate(reported);
         match value {
-            Ok(Value::Number(n)) => self.bounds_of_number(&n).map(|b| b.number().hi),
+            Ok(Value::Number(n)) => Some(self.bounds_of_number(&n).number().hi),
             _ => None,
         }
     }
 
-    /// Where a number lies, for all values of the params and for all times; nothing for one that depends on a point.
-    pub fn bounds_of_number(&mut self, number: &Number) -> Option<Bounds> {
+    /// Where a number lies, for all values of the params, for all times and at all points.
+    pub fn bounds_of_number(&mut self, number: &Number) -> Bounds {
         match &number.repr {
-            Repr::Static(c) => Some(Bounds::constant(*c)),
+            Repr::Static(c) => Bounds::constant(*c),
             Repr::Outer(_, inner) => self.bounds_of_number(inner),
             Repr::Frame(value) => {
                 let uniforms = self.bounds_of_uniforms();
                 let builder = self.contexts.frame_builder();
-                Some(self.facts.frame.bounds_of(&self.contexts.program, builder, *value, &uniforms))
+                self.facts.frame.bounds_of(&self.contexts.program, builder, *value, &uniforms)
             }
-            Repr::Local(..) => None,
+            Repr::Local(depth, value) => {
+                let uniforms = self.bounds_of_uniforms();
+                // It may be of a function that is put aside.
+                let Some((builder, serial)) = self.contexts.open_builder(*depth) else {
+                    return Bounds::anything(number.ty);
+                };
+                let (known, open) = &mut self.facts.open;
+                if *known != serial {
+                    (*known, *open) = (serial, Growing::new());
+                }
+                open.bounds_of(&self.contexts.program, builder, *value, &uniforms)
+            }
         }
     }
 

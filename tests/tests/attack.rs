@@ -78,7 +78,7 @@ fn attacked(attack: &Attack) -> Row {
     }
 let Some(fact) = &subject.fact else { return row };
     if subject.is_nothing {
-        if !fact.extent.is_empty() {
+        if subject.kind.is_shape() && !fact.extent.is_empty() {
             row.complain(format!("it is nothing and has the box {:?}", fact.extent));
         }
         return row;

@@ -62,7 +62,8 @@ impl Definitions {
     /// library's.
     pub fn program(&self, name: &str, call: &str, kind: Kind) -> Result<Program, String> {
         let own = self.own.get(name).ok_or_else(|| format!("{name} has no definition"))?;
-        let stated = "@lipschitz(1e30) @bounds(-1e20, 1e20)";
+        // Nobody asks how steep it is.
+        let stated = "@lipschitz(1) @bounds(-1e20, 1e20)";
         let text = format!("{}{own}{}", self.helpers, kind.scene(stated, call));
         let options = Options { attack: Some(0), ..Options::default() };
         let compilation = sdf_lang::compile(call, &text, &options);

@@ -102,7 +102,6 @@ impl Subject {
     }
 
     fn compile(items: &str, stated: &str, call: &str, kind: Kind) -> Result<Subject, Refusal> {
-        eprintln!("TRY {call}");
         let text = format!("{items}\n{}", kind.scene(stated, call));
         let options = Options { facts: true, attack: Some(0), ..Options::default() };
         let compilation = sdf_lang::compile(call, &text, &options);

@@ -36,14 +36,14 @@ impl Definitions {
         let mut definitions = Definitions { helpers: String::new(), own: BTreeMap::new() };
         for item in &tree.items {
             let text = &text[item.span.start as usize..item.span.end as usize];
-            let place = match &item.kind {
+            match &item.kind {
                 ItemKind::Fn(function) if forms.iter().any(|form| form.name == *function.name.text) => {
-                    definitions.own.entry(function.name.text.to_string()).or_default()
+                    let own = definitions.own.entry(function.name.text.to_string()).or_default();
+                    // Nobody asks how steep it is, and where it ends.
+                    *own += &format!("@lipschitz(1) @bounds(-1e20, 1e20) {text}\n");
                 }
-                _ => &mut definitions.helpers,
-            };
-            place.push_str(text);
-            place.push('\n');
+                _ => definitions.helpers += &format!("{text}\n"),
+            }
         }
         definitions
     }
@@ -62,9 +62,7 @@ impl Definitions {
     /// library's.
     pub fn program(&self, name: &str, call: &str, kind: Kind) -> Result<Program, String> {
         let own = self.own.get(name).ok_or_else(|| format!("{name} has no definition"))?;
-        // Nobody asks how steep it is.
-        let stated = "@lipschitz(1) @bounds(-1e20, 1e20)";
-        let text = format!("{}{own}{}", self.helpers, kind.scene(stated, call));
+        let text = format!("{}{own}{}", self.helpers, kind.scene("", call));
         let options = Options { attack: Some(0), ..Options::default() };
         let compilation = sdf_lang::compile(call, &text, &options);
         let Some(scene) = compilation.scene else {

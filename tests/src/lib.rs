@@ -10,6 +10,7 @@ pub mod glslang;
 pub mod library;
 pub mod numbers;
 pub mod pages;
+pub mod reference;
 pub mod run;
 pub mod scenes;
 pub mod shadertoy;

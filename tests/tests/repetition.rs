@@ -18,7 +18,7 @@ const ROUNDING_IN_F32: f64 = 8e-6;
 const ODD: &str = "(box((0.23, 0.34, 0.12)).rotate((1, 2, 3), 0.6).at(0.11, 0.22, -0.13) | sphere(0.1).at(0.3, -0.2, 0.15))";
 const WIDE: &str = "(box((0.93, 0.34, 0.12)).rotate((1, 2, 3), 0.6).at(0.21, 0.22, -0.13) | sphere(0.2).at(1.1, -0.4, 0.15))";
 /// Two balls at the ends of a wide box, at different heights: near one of them no copy but its own will do.
-const ENDS: &str = "(sphere(0.05).at(0.9, 0, 0) | sphere(0.05).at(-0.9, 3, 0))";
+const ENDS: &str = "(sphere(0.05).at(0.9, -1, 0) | sphere(0.05).at(-0.9, 1, 0))";
 
 /// A repetition, and what it stands for.
 struct Case {
@@ -211,7 +211,6 @@ fn copies_are_what_is_written_out() {
     let (mut table, mut complaints) = (String::new(), String::new());
     for case in cases() {
         let points = points(&case);
-        eprintln!("{}", case.repeated);
         let (worst, worst_in_f32, wrong) = compare(&case, &points);
         writeln!(table, "{worst:9.1e} {worst_in_f32:9.1e} {wrong:6}  {}", case.repeated)
             .expect("a string grows");

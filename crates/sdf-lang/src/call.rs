@@ -3,6 +3,7 @@
 use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
+use crate::library;
 use crate::outline;
 use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::Type;
@@ -492,7 +493,7 @@ impl<'t> Elaborator<'t> {
         given: Given<'t>,
         span: Span,
     ) -> Eval<Value<'t>> {
-        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, Module::ROOT)).collect();
+        let slots: Vec<Slot<'_>> = lambda.parameters.iter().map(|p| slot(p, false)).collect();
         let fit = match fit(&mut self.contexts, &slots, &given) {
             Ok(fit) => fit,
             Err(why) => {
@@ -543,19 +544,18 @@ fn asks_of_functions(arguments: &[(Arc<str>, Value<'_>)]) -> bool {
 fn slots<'a>(candidate: &Candidate<'a>) -> Vec<Slot<'a>> {
     match candidate {
         Candidate::Written(function, module) => {
-            function.parameters.iter().map(|p| slot(p, *module)).collect()
+            let is_of_page = *module == Module::Library && library::std().is_public(&function.name.text);
+            function.parameters.iter().map(|p| slot(p, is_of_page)).collect()
         }
         Candidate::BuiltIn(b) => b.slots(),
     }
 }
 
-/// A written parameter. One without a type takes anything, but in the library it is a float.
-fn slot(parameter: &Parameter, module: Module) -> Slot<'_> {
-    let kind = match (&parameter.ty, module) {
+/// A written parameter. One without a type takes anything, but in what the library has for all it is a float.
+fn slot(parameter: &Parameter, is_of_page: bool) -> Slot<'_> {
+    let kind = match (&parameter.ty, is_of_page) {
         (Some(ty), _) => SlotKind::Type(ty.kind),
-        (None, Module::Library)
-            if parameter.default.as_ref().is_none_or(|d| matches!(d.kind, ExprKind::Number(_))) =>
-        {
+        (None, true) if parameter.default.as_ref().is_none_or(|d| matches!(d.kind, ExprKind::Number(_))) => {
             SlotKind::Type(TypeKind::Float)
         }
         (None, _) => SlotKind::Any,

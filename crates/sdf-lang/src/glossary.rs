@@ -106,7 +106,13 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
             ),
             ("reach", "How far from an axis through the origin a shape extends."),
             ("slope", "How steep a shape, or a function of a point, is at most."),
+            ("most", "The largest that a number may be, whatever the params and the time are."),
             ("turned", "The box of a shape turned by an angle, or by any, as a record `(lo, hi)`."),
+            ("reflected", "The box of the mirror image of a shape, as a record `(lo, hi)`."),
+            (
+                "any_cell",
+                "A vector that may be any from `first` to `last`, as the cell of a repetition is, to ask about.",
+            ),
             ("mirrored", "The box of what `mirror` makes of a shape, as a record `(lo, hi)`."),
         ],
     ),

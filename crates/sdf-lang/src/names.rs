@@ -430,9 +430,7 @@ fn collect<'t>(file: &'t File, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
 }
 
 /// The names of the language's library that are not there yet.
-const UNBUILT: &[&str] = &[
-    "mandelbulb",
-];
+const UNBUILT: &[&str] = &["mandelbulb"];
 
 fn add_value<'t>(
     items: &mut Items<'t>,

@@ -16,8 +16,9 @@
 
 use crate::contract::{Contract, Quality};
 use crate::library::{self, LibraryFile};
+use crate::walk;
 use sdf_syntax::Span;
-use sdf_syntax::tree::{Expr, Function, Item, ItemKind, TypeKind};
+use sdf_syntax::tree::{Expr, ExprKind, Function, Item, ItemKind, TypeKind};
 
 /// The functions of one file of the library.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,6 +63,9 @@ pub struct Form {
     pub examples: Vec<String>,
     /// The line of its name in the file.
     pub line: usize,
+    /// Whether there is a `field` in its own body, to which its contract belongs; another function may hand on the shape
+    /// of a third.
+    pub has_field: bool,
 }
 
 /// A parameter of a function.
@@ -80,6 +84,19 @@ pub struct Parameter {
 }
 
 impl Form {
+    /// What its parameters mean; those that are explained together stand together.
+    pub fn meanings(&self) -> Vec<(Vec<&str>, &str)> {
+        let mut out: Vec<(Vec<&str>, &str)> = Vec::new();
+        for parameter in &self.parameters {
+            match (parameter.meaning.as_deref(), out.last_mut()) {
+                (Some(meaning), Some((names, before))) if *before == meaning => names.push(&parameter.name),
+                (Some(meaning), _) => out.push((vec![&parameter.name], meaning)),
+                (None, _) => {}
+            }
+        }
+        out
+    }
+
     /// Whether it makes something of shapes or of functions, and not of numbers alone.
     pub fn is_operator(&self) -> bool {
         let kinds = [TypeKind::Shape, TypeKind::Shape2, TypeKind::Fn];
@@ -147,8 +164,8 @@ fn form(file: &LibraryFile, item: &Item, function: &Function) -> Form {
         meaning: doc
             .parameters
             .iter()
-            .find(|(name, _)| **name == *parameter.name.text)
-            .map(|(_, m)| m.clone()),
+            .find(|(names, _)| names.iter().any(|name| **name == *parameter.name.text))
+            .map(|(_, meaning)| meaning.clone()),
     });
     let mut form = Form {
         parameters: parameters.collect(),
@@ -156,6 +173,7 @@ fn form(file: &LibraryFile, item: &Item, function: &Function) -> Form {
         text: doc.text,
         source: doc.source,
         examples: doc.examples,
+        has_field: walk::any(&function.body, &mut |e| matches!(e.kind, ExprKind::Shape(..))),
         line: file.text[..function.name.span.start as usize].matches('\n').count() + 1,
         ..Form::default()
     };
@@ -209,8 +227,8 @@ fn promises(contract: &Contract, is_operator: bool, quoted: impl Fn(Span) -> Str
 struct Doc {
     summary: String,
     text: Vec<String>,
-    /// The parameters that have a line, by name.
-    parameters: Vec<(String, String)>,
+    /// The parameters that have a line, by their names.
+    parameters: Vec<(Vec<String>, String)>,
     source: Option<String>,
     examples: Vec<String>,
 }
@@ -226,8 +244,8 @@ impl Doc {
             let part = if line.is_empty() {
                 open = None;
                 continue;
-            } else if let Some((name, meaning)) = parameter_line(line) {
-                doc.parameters.push((name.into(), meaning.into()));
+            } else if let Some((names, meaning)) = parameter_line(line) {
+                doc.parameters.push((names, meaning.into()));
                 Some(Part::Parameter)
             } else if let Some(source) = line.strip_prefix("From: ") {
                 doc.source = Some(source.trim().to_string());
@@ -271,10 +289,10 @@ fn append(to: Option<&mut String>, line: &str) {
     }
 }
 
-/// The name and the meaning of "- `name`: meaning".
-fn parameter_line(line: &str) -> Option<(&str, &str)> {
-    let (name, meaning) = line.strip_prefix("- `")?.split_once("`: ")?;
-    Some((name, meaning.trim()))
+/// The names and the meaning of "- `name`: meaning", or of "- `a`, `b`: meaning" where it is that of several.
+fn parameter_line(line: &str) -> Option<(Vec<String>, &str)> {
+    let (names, meaning) = line.strip_prefix("- `")?.split_once("`: ")?;
+    Some((names.split("`, `").map(String::from).collect(), meaning.trim()))
 }
 
 /// Where the first sentence of a text ends.
@@ -295,15 +313,16 @@ mod tests {
     fn a_doc_comment_is_taken_apart() {
         let doc = Doc::of(
             "A box with\nrounded edges. It is solid.\nAnd more.\n\nAnother paragraph.\n\n- `half`: half of its sizes,\n  \
-             each above 0\n- `r`: the radius\n\nFrom: Inigo Quilez,\n\"Distance functions\".\nExample: round_box(0.5, 0.1)\n\
+             each above 0\n- `r`: the radius\n- `x`, `y`: the rest\n\nFrom: Inigo Quilez,\n\"Distance functions\".\nExample: round_box(0.5, 0.1)\n\
              Example: round_box(0.5, 0)",
         );
         let expected = Doc {
             summary: "A box with rounded edges.".into(),
             text: vec!["It is solid. And more.".into(), "Another paragraph.".into()],
             parameters: vec![
-                ("half".into(), "half of its sizes, each above 0".into()),
-                ("r".into(), "the radius".into()),
+                (vec!["half".into()], "half of its sizes, each above 0".into()),
+                (vec!["r".into()], "the radius".into()),
+                (vec!["x".into(), "y".into()], "the rest".into()),
             ],
             source: Some("Inigo Quilez, \"Distance functions\".".into()),
             examples: vec!["round_box(0.5, 0.1)".into(), "round_box(0.5, 0)".into()],

@@ -25,7 +25,7 @@ fn lacks(form: &Form) -> Vec<String> {
             // What becomes of a function that is handed in, the compiler finds out at each call.
             Ok(Kind::Shape | Kind::Shape2) => {
                 let takes_function = form.parameters.iter().any(|p| p.ty == Some(TypeKind::Fn));
-                if form.promises.is_empty() && !takes_function {
+                if form.promises.is_empty() && form.has_field && !takes_function {
                     lacks.push("a contract".into());
                 }
             }

@@ -6,7 +6,9 @@ use regex::Regex;
 use sdf_lang::vocabulary;
 use sdf_syntax::outline::ITEM_WORDS;
 use sdf_syntax::token::{Token, lex};
-use sdf_syntax::tree::{Block, Expr, ExprKind, ItemKind, Parameter, PostfixKind, TypeKind};
+use sdf_syntax::tree::{
+    AttributeArgument, Block, Expr, ExprKind, ItemKind, Parameter, PostfixKind, TypeKind,
+};
 use sdf_syntax::{FileId, parse};
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
@@ -195,6 +197,11 @@ impl Places {
         assert_eq!(diagnostics, []);
         let mut places = Places::default();
         for item in &file.items {
+            for argument in item.attributes.iter().flat_map(|attribute| &attribute.arguments) {
+                if let AttributeArgument::Expr(expr) = argument {
+                    places.expr(expr);
+                }
+            }
             match &item.kind {
                 ItemKind::Import { .. } => {}
                 ItemKind::Param { default, range, .. } => {

@@ -76,9 +76,10 @@ fn form(form: &Form) -> String {
     for paragraph in &form.text {
         out += &hanging("  ", 2, paragraph);
     }
-    let meanings = form.parameters.iter().filter_map(|p| Some((&*p.name, p.meaning.as_deref()?)));
-    let width = meanings.clone().map(|(name, _)| name.len()).max().unwrap_or(0);
-    for (i, (name, meaning)) in meanings.enumerate() {
+    let meanings: Vec<(String, &str)> =
+        form.meanings().into_iter().map(|(names, meaning)| (names.join(", "), meaning)).collect();
+    let width = meanings.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    for (i, (name, meaning)) in meanings.iter().enumerate() {
         out += if i == 0 { "\n" } else { "" };
         out += &hanging(&format!("  {GREEN}{name:<width$}{RESET}  "), width + 4, meaning);
     }

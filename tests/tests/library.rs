@@ -1,0 +1,92 @@
+//! The library's page and its pictures are what the doc comments say. `UPDATE_FIXTURES=1 cargo test` makes them anew.
+
+use sdf_lang::{Entry, reference};
+use sdf_render::Picture;
+use sdf_tests::reference::{page, page_path, picture, picture_path, picture_scene};
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::BufWriter;
+use std::path::Path;
+
+fn updates() -> bool {
+    std::env::var_os("UPDATE_FIXTURES").is_some()
+}
+
+fn entries() -> Vec<Entry> {
+    reference().into_iter().flat_map(|section| section.entries).collect()
+}
+
+#[test]
+fn the_page_says_what_the_doc_comments_say() {
+    let expected = page();
+    if updates() {
+        fs::write(page_path(), &expected).expect("the page can be written");
+    }
+    let found = fs::read_to_string(page_path()).expect("grammar/library.md is there");
+    assert!(found == expected, "run `UPDATE_FIXTURES=1 cargo test --workspace --test library`");
+}
+
+/// All the pictures together, in bytes.
+const ALL_PICTURES: u64 = 1_500_000;
+
+#[test]
+fn the_pictures_show_the_examples() {
+    let mut wrong = Vec::new();
+    let mut names = BTreeSet::new();
+    let mut bytes = 0;
+    for entry in entries() {
+        let (drawn, path) = (picture(&entry), picture_path(&entry.name));
+        if updates() {
+            write(&path, &drawn);
+        }
+        // The interpreter computes the same bits everywhere.
+        if read(&path).as_ref() != Some(&drawn) {
+            wrong.push(entry.name.clone());
+        }
+        bytes += fs::metadata(&path).map_or(0, |file| file.len());
+        names.insert(format!("{}.png", entry.name));
+    }
+    assert!(
+        wrong.is_empty(),
+        "not as drawn: {wrong:?}; `UPDATE_FIXTURES=1 cargo test --workspace --test library` draws them"
+    );
+    let folder = fs::read_dir(picture_path("any").parent().expect("a folder")).expect("the folder");
+    let found: BTreeSet<String> =
+        folder.map(|file| file.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+    assert_eq!(found, names, "a picture is of no function");
+    assert!(bytes <= ALL_PICTURES, "the pictures have {bytes} bytes");
+}
+
+/// A picture is that of its example, and another shape has another.
+#[test]
+fn pictures_tell_shapes_apart() {
+    let entries = entries();
+    let named = |name: &str| entries.iter().find(|entry| entry.name == name).expect("a function");
+    assert!(picture_scene(named("sphere")).contains(&named("sphere").forms[0].examples[0]));
+    assert_ne!(picture(named("sphere")), picture(named("box")));
+}
+
+fn write(path: &Path, picture: &Picture) {
+    fs::create_dir_all(path.parent().expect("a folder")).expect("the folder can be made");
+    let file = BufWriter::new(fs::File::create(path).expect("the picture can be written"));
+    let mut encoder = png::Encoder::new(file, picture.width, picture.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    let rgb: Vec<u8> = picture.rgba.chunks(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut writer = encoder.write_header().expect("a head");
+    writer.write_image_data(&rgb).expect("a picture");
+    writer.finish().expect("an end");
+}
+
+fn read(path: &Path) -> Option<Picture> {
+    let file = std::io::BufReader::new(fs::File::open(path).ok()?);
+    let mut reader = png::Decoder::new(file).read_info().ok()?;
+    let mut rgb = vec![0; reader.output_buffer_size()?];
+    let info = reader.next_frame(&mut rgb).ok()?;
+    let rgba = rgb.chunks(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+    (info.color_type == png::ColorType::Rgb).then_some(Picture {
+        width: info.width,
+        height: info.height,
+        rgba,
+    })
+}

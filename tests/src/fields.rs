@@ -172,6 +172,16 @@ pub fn spread(
     spread
 }
 
+/// How many units `f32` and `f64` may lie apart.
+const ROUNDING: f64 = 64.0;
+
+/// The `f32` lanes against `f64`.
+pub fn in_f32(program: &Program, points: &[Vec<f32>]) -> Spread {
+    let found = wide(&run::<f32>(&on_hardware(program), points));
+    let expected = run::<f64>(program, &wide(points));
+    spread(points, &expected, &found, ROUNDING, |near| run::<f64>(program, near))
+}
+
 /// How far the results at a point and at those within `reach` of it lie apart.
 fn change_beside(point: &[f64], reach: f64, results: &impl Fn(&[Vec<f64>]) -> Vec<Vec<f64>>) -> f64 {
     let steps = [-1.0, 0.0, 1.0];

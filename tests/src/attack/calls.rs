@@ -211,13 +211,33 @@ fn shortened(text: &str) -> Vec<String> {
     elements.into_iter().filter(|range| !range.is_empty()).map(without).collect()
 }
 
-/// Calls that may well not be valid, those with one change first.
-pub fn doubtful(example: &str) -> impl Iterator<Item = String> {
+/// Where the lists of arguments and the vectors of a text are, without their brackets, those inside others first.
+fn groups(text: &str) -> Vec<Range<usize>> {
+    let mut open = Vec::new();
+    let mut groups = Vec::new();
+    for (i, b) in text.bytes().enumerate() {
+        match b {
+            b'(' => open.push(i + 1),
+            b')' => groups.extend(open.pop().map(|start| start..i)),
+            _ => {}
+        }
+    }
+    groups
+}
+
+/// What stands for a parameter that an example leaves out, so that it may be refused.
+const WORTHLESS: [&str; 7] = ["-1.5", "0", "(0, 0, 0)", "(0, 0)", "(-1.5, 0.5, 0)", "(0.5, 0)", "|x| 2 * x"];
+
+/// Shapes without an end, and functions that jump.
+const ENDLESS: [&str; 3] = ["plane((0.3, 1.1, 0.2))", "half_plane((0.3, 1.1))", "infinite_cylinder(0.3)"];
+
+/// Calls of a function that may well not be valid, those with one change first.
+pub fn doubtful(form: &Form, example: &str) -> Vec<String> {
     let literals = literals(example);
     let mut calls = Vec::new();
     for (i, literal) in literals.iter().enumerate() {
         let x = literal.value;
-        let whole = [0.0, -1.0, 1.0, 2.0, 1000.0];
+        let whole = [0.0, -1.0, 1.0, 2.0, 1000.0, 0.5];
         let real = [-x, 0.0, x * 1000.0, -1e6, x * 1e-3, 3.3 * x, 0.3 * x];
         let choices: &[f64] = if literal.is_whole { &whole } else { &real };
         for choice in choices {
@@ -226,12 +246,64 @@ pub fn doubtful(example: &str) -> impl Iterator<Item = String> {
             calls.push(replaced(example, &literals, &values));
         }
     }
+    // A vector of zeros, or the same as another.
+    let groups = groups(example);
+    let is_vector = |group: &&Range<usize>| {
+        let text = &example[(*group).clone()];
+        text.contains(',') && !text.contains(|c: char| c.is_ascii_alphabetic())
+    };
+    let vectors: Vec<&Range<usize>> = groups.iter().filter(is_vector).collect();
+    let with = |group: &Range<usize>, new: &str| format!("{}{new}{}", &example[..group.start], &example[group.end..]);
+    for vector in &vectors {
+        let zeros: Vec<&str> = example[(*vector).clone()].split(',').map(|_| "0").collect();
+        calls.push(with(vector, &zeros.join(", ")));
+        calls.extend(vectors.iter().map(|other| with(vector, &example[(*other).clone()])));
+    }
+    // A shape without an end in the place of a call, and a function that jumps in the place of another.
+    for group in &groups {
+        let name = example[..group.start - 1].rfind(|c: char| !(c.is_alphanumeric() || c == '_')).map_or(0, |i| i + 1);
+        if name < group.start - 1 {
+            let whole = name..group.end + 1;
+            calls.extend(ENDLESS.iter().map(|shape| with(&whole, shape)));
+        }
+    }
+    if let Some(bar) = example.rfind('|') {
+        let end = groups.iter().map(|g| g.end).filter(|end| *end > bar).max().unwrap_or(example.len());
+        calls.extend(["floor(3 * v.x)", "x * x"].map(|body| with(&(bar + 1..end), body)));
+        let comma = example[bar..].rfind(',').map_or(end, |i| bar + i);
+        calls.push(with(&(bar + 1..comma), " floor(3 * v.x)"));
+    }
+    // A parameter that is left out.
+    if let Some(end) = example.rfind(')') {
+        for parameter in &form.parameters {
+            calls.extend(WORTHLESS.map(|value| with(&(end..end), &format!(", {parameter}: {value}"))));
+        }
+        let more = &|extra: &str| with(&(end..end), extra);
+        for shape in ENDLESS {
+            let changed: Vec<String> = groups
+                .iter()
+                .filter_map(|group| {
+                    let name = example[..group.start - 1]
+                        .rfind(|c: char| !(c.is_alphanumeric() || c == '_'))
+                        .map_or(0, |i| i + 1);
+                    (name < group.start - 1 && group.end < end).then(|| name..group.end + 1)
+                })
+                .flat_map(|whole| {
+                    let parameters = form.parameters.iter();
+                    parameters.map(move |p| {
+                        let extra = more(&format!(", {p}: 1.5"));
+                        format!("{}{shape}{}", &extra[..whole.start], &extra[whole.end..])
+                    })
+                })
+                .collect();
+            calls.extend(changed);
+        }
+    }
     let short = shortened(example);
     calls.extend(short.iter().flat_map(|text| shortened(text)).take(200));
     calls.extend(short);
     let mut random = Random::new(seed(example) ^ 0x5eed);
-    let text = example.to_string();
-    let several = std::iter::repeat_with(move || {
+    calls.extend((0..100).map(|_| {
         let change = |literal: &Literal| match random.below(8) {
             0 | 1 => Some(0.0),
             2 => Some(-literal.value),
@@ -240,9 +312,9 @@ pub fn doubtful(example: &str) -> impl Iterator<Item = String> {
             _ => None,
         };
         let values: Vec<Option<f64>> = literals.iter().map(change).collect();
-        replaced(&text, &literals, &values)
-    });
-    calls.into_iter().chain(several.take(100))
+        replaced(example, &literals, &values)
+    }));
+    calls
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::points::{Points, Random, along, at, columns, holds, length, moved, scattered, seed};
 use super::subject::{Sampled, Subject};
-use crate::fields::{nasty_points, on_hardware, run, wide};
+use crate::fields::{in_f32, nasty_points, on_hardware, run, wide};
 use sdf_ir::number::Dual;
 use sdf_ir::region::Extent;
 use sdf_lang::{Class, Fact};
@@ -235,6 +235,19 @@ pub fn not_finite(subject: &Subject) -> Option<String> {
             let finite = |d: &Dual<f64>| d.value.is_finite() && d.slope.iter().all(|x| x.is_finite());
             find("the gradient of duals", &|i| finite(&duals[0][i]))
         })
+}
+
+/// Where the distance in `f32` is far from that in `f64`.
+pub fn rounded(subject: &Subject) -> Option<String> {
+    let center = subject.fact.as_ref().map_or([0.0; 3], |fact| fact.extent.center());
+    let mut random = Random::new(seed(&subject.call) ^ 0xf32);
+    let reach = subject.fact.as_ref().map_or(4.0, |fact| 3.0 * size(fact));
+    let around = Extent { lo: center.map(|x| x - reach), hi: center.map(|x| x + reach) };
+    let points = scattered(&around, 2000, &mut random);
+    let points: Vec<Vec<f32>> = points.iter().map(|c| c.iter().map(|x| *x as f32).collect()).collect();
+    let spread = in_f32(&subject.field.distance, &points);
+    let first = spread.wrong.first()?;
+    Some(format!("in f32 and in f64 {} of 2000 points differ: {first}", spread.wrong.len()))
 }
 
 /// What is said of a slope.

@@ -106,7 +106,9 @@ impl Subject {
         let options = Options { facts: true, attack: Some(0), ..Options::default() };
         let compilation = sdf_lang::compile(call, &text, &options);
         let Some(scene) = compilation.scene else { return Err(refusal(&compilation.diagnostics)) };
-        let fact = scene.facts.iter().find(|fact| fact.name == "subject").cloned();
+        // Below the scene's own row stands that of the shape, or of what makes it one of space and then that of the shape.
+        let row = if kind == Kind::Area { 2 } else { 1 };
+        let fact = Some(scene.facts.get(row).unwrap_or_else(|| panic!("{call}: no row {row}")).clone());
         let is_nothing = scene.map.is_none();
         let field = match scene.map {
             Some(map) => Field::of_map(&scene.program, map),

@@ -228,8 +228,14 @@ fn groups(text: &str) -> Vec<Range<usize>> {
 /// What stands for a parameter that an example leaves out, so that it may be refused.
 const WORTHLESS: [&str; 7] = ["-1.5", "0", "(0, 0, 0)", "(0, 0)", "(-1.5, 0.5, 0)", "(0.5, 0)", "|x| 2 * x"];
 
-/// Shapes without an end, and functions that jump.
-const ENDLESS: [&str; 3] = ["plane((0.3, 1.1, 0.2))", "half_plane((0.3, 1.1))", "infinite_cylinder(0.3)"];
+/// Shapes without an end along all axes, or along one.
+const ENDLESS: [&str; 5] = [
+    "plane((0.3, 1.1, 0.2))",
+    "half_plane((0.3, 1.1))",
+    "rect((0.2, 1e19))",
+    "infinite_cylinder(0.3)",
+    "rect((0.2, 0.3)).extrude(1e19)",
+];
 
 /// Calls of a function that may well not be valid, those with one change first.
 pub fn doubtful(form: &Form, example: &str) -> Vec<String> {

@@ -23,10 +23,11 @@ pub struct Found {
     pub asked: usize,
 }
 
-/// A box, and what everything in it amounts to at least.
+/// A box, what everything in it amounts to at least, and the axis along which it is to be split.
 struct Cell {
     at_least: f64,
     extent: Extent,
+    axis: usize,
 }
 
 impl Ord for Cell {
@@ -55,6 +56,8 @@ struct Known {
     at_least: f64,
     /// It is at most this somewhere.
     at_most: f64,
+    /// How much it changes along each axis, as far as that is known.
+    effect: [f64; 3],
 }
 
 /// The least number that is to be found in a box, to within a tolerance. `ask` is also told the least so far.
@@ -65,25 +68,27 @@ fn least(
     tolerance: f64,
     mut ask: impl FnMut(&Extent, f64) -> Option<Known>,
 ) -> Found {
+    let most = |effect: [f64; 3]| {
+        axes.iter().copied().max_by(|a, b| effect[*a].total_cmp(&effect[*b])).expect("an axis")
+    };
     let mut at_most = so_far;
-    let mut cells = BinaryHeap::from([Cell { at_least: f64::NEG_INFINITY, extent: start }]);
+    let mut cells =
+        BinaryHeap::from([Cell { at_least: f64::NEG_INFINITY, extent: start, axis: most(start.size()) }]);
     let mut asked = 0;
-    while let Some(Cell { at_least, extent }) = cells.pop() {
+    while let Some(Cell { at_least, extent, axis }) = cells.pop() {
         if at_least > at_most - tolerance || asked >= BUDGET {
             return Found { at_least: at_least.min(at_most), at_most, asked };
         }
-        let size = extent.size();
-        let axis = axes.iter().copied().max_by(|a, b| size[*a].total_cmp(&size[*b])).expect("an axis");
         for side in [0, 1] {
             let mut part = extent;
-            let middle = extent.lo[axis] + size[axis] / 2.0;
+            let middle = extent.lo[axis] + extent.size()[axis] / 2.0;
             if side == 0 { part.hi[axis] = middle } else { part.lo[axis] = middle }
             asked += 1;
             if let Some(known) = ask(&part, at_most) {
                 at_most = at_most.min(known.at_most);
                 let at_least = at_least.max(known.at_least);
                 if at_least <= at_most - tolerance {
-                    cells.push(Cell { at_least, extent: part });
+                    cells.push(Cell { at_least, extent: part, axis: most(known.effect) });
                 }
             }
         }
@@ -203,7 +208,7 @@ impl Solid {
             let limit = so_far.min(at_most) - tolerance;
             let half: [f64; 3] = std::array::from_fn(|i| (part.hi[i] - part.lo[i]) / 2.0);
             let is_dropped = limit.is_finite() && is_farther(&conditions, along(center, p, -1.0), half, limit.max(0.0));
-            (!is_dropped).then_some(Known { at_least, at_most })
+            (!is_dropped).then_some(Known { at_least, at_most, effect: part.size() })
         })
     }
 }
@@ -314,9 +319,12 @@ pub fn distance_to_curve(program: &Program, p: [f64; 3], tolerance: f64) -> Foun
         let value = slopes.run(&[Sloped::point(region(part))])[0];
         let here = at_point(&mut bounds, middle(part));
         let gradient = value.slopes.gradient(0);
-        let change: f64 = used.iter().map(|i| gradient[*i].most() * (part.hi[*i] - part.lo[*i]) / 2.0).sum();
-        let by_slope = if change.is_finite() { here.lo - change } else { f64::NEG_INFINITY };
-        Some(Known { at_least: value.bounds().number().lo.max(by_slope), at_most: here.hi })
+        let size = part.size();
+        let effect: [f64; 3] = std::array::from_fn(|i| gradient[i].most() * size[i]);
+        let change = used.iter().map(|i| effect[*i]).sum::<f64>() / 2.0;
+        let (by_slope, effect) =
+            if change.is_finite() { (here.lo - change, effect) } else { (f64::NEG_INFINITY, size) };
+        Some(Known { at_least: value.bounds().number().lo.max(by_slope), at_most: here.hi, effect })
     })
 }
 

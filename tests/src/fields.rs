@@ -136,6 +136,9 @@ pub struct Spread {
     pub wrong: Vec<String>,
 }
 
+/// How far results may change within the root of a unit for this to count as a crease.
+const TIE: f64 = 2e-3;
+
 /// Compares results at points. `beside` computes the results in `f64` at other points.
 pub fn spread(
     points: &[Vec<f32>],
@@ -160,7 +163,10 @@ pub fn spread(
         spread.unequal += usize::from(e != f);
         let units = difference / unit;
         if units > allowed {
-            if difference <= change_beside(&point, unit, &beside) + allowed * unit {
+            // The lesser of two distances that touch to first order is either over a width of the unit's square root.
+            let near = [unit, unit.sqrt()].into_iter();
+            let change = near.map(|reach| change_beside(&point, reach, &beside)).fold(0.0, f64::max);
+            if difference <= change.min(TIE) + allowed * unit {
                 spread.steep += 1;
             } else {
                 spread.wrong.push(format!("{point:?}: {e:?} and {f:?}, {units:.1} units apart"));

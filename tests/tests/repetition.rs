@@ -240,7 +240,7 @@ fn asking(shape: &str, period: f64, middle: f64, n: u32) -> String {
 #[test]
 fn one_copy_fewer_is_not_enough() {
     // The shape is 1.9 wide.
-    for (period, needed) in [(2.5, 2), (1.9, 2), (1.8, 3), (1.0, 3), (0.9, 4), (0.5, 5), (0.25, 9)] {
+    for (period, needed) in [(2.5, 2), (1.9, 2), (1.7, 3), (1.0, 3), (0.8, 4), (0.5, 5), (0.25, 9)] {
         let case = in_rows(ENDS, [period, 0.0, 0.0], None);
         let points = points(&case);
         for (n, is_enough) in [(needed, true), (needed - 1, false)] {

@@ -41,8 +41,14 @@ fn the_library_requires_what_its_shapes_need() {
     check("scene { polygon([(0, 0), (1, 0), (0, 1)]).extrude(1) }", &[]);
     check("scene { smin(k: 0.1) }", &["E043: shapes must hold one or more; "]);
     check("scene { smax([], k: 0.1) }", &["E043: shapes must hold one or more; "]);
-    check("scene { intersection() }", &["E043: the intersection of no shapes is everything; "]);
-    check("scene { intersection([]) }", &["E043: the intersection of no shapes is everything; "]);
+    check(
+        "scene { intersection() }",
+        &["E043: shapes must hold one or more: the intersection of none is everything; "],
+    );
+    check(
+        "scene { intersection([]) }",
+        &["E043: shapes must hold one or more: the intersection of none is everything; "],
+    );
 }
 
 #[test]

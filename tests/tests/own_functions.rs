@@ -32,7 +32,7 @@ fn false_promises_are_caught_with_a_point() {
             "{ length(q - (r, 0)) } else { length((q.x, q.y + off)) - ball }",
             "{ 0.97 * length(q - (r, 0)) } else { 0.97 * (length((q.x, q.y + off)) - ball) }",
             "@exact",
-            "from (",
+            "at (",
         ),
         (
             "@bounds(-(r, thickness / 2, r)",

@@ -24,13 +24,19 @@ impl Field {
         let options = Options { attack: Some(0), ..Options::default() };
         let scene = scene(name, &still(text), &options);
         let map = scene.map.unwrap_or_else(|| panic!("{name} has no field"));
-        let mut program = Program { entry: Some(map), ..scene.program };
+        let field = Field::of_map(&scene.program, map);
+        assert!(field.gradient.uniforms.is_empty(), "{name} depends on more than the point");
+        field
+    }
+
+    /// That of a program's function of a point.
+    pub fn of_map(program: &Program, map: FunctionId) -> Field {
+        let mut program = Program { entry: Some(map), ..program.clone() };
         let gradient = sdf_ir::gradient(&mut program, map);
         let [distance, gradient] = [map, gradient].map(|function| {
             let program = Program { entry: Some(function), ..program.clone() };
             sdf_ir::simplify(&program, &[]).0
         });
-        assert!(gradient.uniforms.is_empty(), "{name} depends on more than the point");
         Field { distance, gradient }
     }
 
@@ -170,6 +176,16 @@ pub fn spread(
         }
     }
     spread
+}
+
+/// How many units `f32` and `f64` may lie apart.
+const ROUNDING: f64 = 64.0;
+
+/// The `f32` lanes against `f64`.
+pub fn in_f32(program: &Program, points: &[Vec<f32>]) -> Spread {
+    let found = wide(&run::<f32>(&on_hardware(program), points));
+    let expected = run::<f64>(program, &wide(points));
+    spread(points, &expected, &found, ROUNDING, |near| run::<f64>(program, near))
 }
 
 /// How far the results at a point and at those within `reach` of it lie apart.

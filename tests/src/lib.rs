@@ -1,6 +1,7 @@
 //! Helpers of the suites in `tests/`.
 
 pub mod agreement;
+pub mod attack;
 pub mod canvas;
 pub mod chromium;
 pub mod drawing;

@@ -5,7 +5,7 @@ use sdf_emit::KernelLanguage;
 use sdf_ir::Program;
 use sdf_lang::reference;
 use sdf_tests::fields::{
-    Field, Spread, by_duals, entry, nasty_points, on_hardware, points, run, spread, wide,
+    Field, Spread, by_duals, entry, in_f32, nasty_points, on_hardware, points, run, spread, wide,
 };
 use sdf_tests::library::calls;
 use sdf_tests::run::{lavapipe, on_device};
@@ -17,8 +17,6 @@ use std::fmt::Write;
 const COUNT: usize = 1 << 16;
 /// How many units the driver and the interpreter may lie apart; see [`Spread`].
 const DRIVER: f64 = 4.0;
-/// How many units `f32` and `f64` may lie apart.
-const ROUNDING: f64 = 64.0;
 /// The largest share of points at creases and jumps, where less can be said.
 const STEEP: f64 = 0.004;
 
@@ -42,20 +40,13 @@ fn fields() -> Vec<(String, Field)> {
 }
 
 /// The driver against the `f32` lanes, for one program.
-fn on_driver(program: &Program, points: &[Vec<f32>]) -> Spread {
+fn on_driver(program: &Program, language: KernelLanguage, points: &[Vec<f32>]) -> Spread {
     let hardware = on_hardware(program);
     let expected = wide(&run::<f32>(&hardware, points));
-    let words = on_device(lavapipe(), &hardware, entry(&hardware), KernelLanguage::Wgsl, points);
+    let words = on_device(lavapipe(), &hardware, entry(&hardware), language, points);
     let found: Vec<Vec<f64>> =
         words.iter().map(|column| column.iter().map(|w| f64::from(f32::from_bits(*w))).collect()).collect();
     spread(points, &expected, &found, DRIVER, |near| run::<f64>(program, near))
-}
-
-/// The `f32` lanes against `f64`.
-fn in_f32(program: &Program, points: &[Vec<f32>]) -> Spread {
-    let found = wide(&run::<f32>(&on_hardware(program), points));
-    let expected = run::<f64>(program, &wide(points));
-    spread(points, &expected, &found, ROUNDING, |near| run::<f64>(program, near))
 }
 
 /// Notes a comparison in a table, and what is wrong with it.
@@ -86,7 +77,7 @@ fn the_driver_computes_what_the_lanes_compute() {
     let points = points(COUNT);
     for (name, field) in fields() {
         for (what, program) in [("distance", &field.distance), ("gradient", &field.gradient)] {
-            note(&name, what, &on_driver(program, &points), &mut table, &mut complaints);
+            note(&name, what, &on_driver(program, KernelLanguage::Wgsl, &points), &mut table, &mut complaints);
         }
     }
     keep("fields_on_driver.txt", &table);
@@ -99,8 +90,10 @@ fn nothing_is_infinite_at_nasty_points() {
     let (mut table, mut complaints) = (String::from(HEAD), String::new());
     let points = nasty_points();
     for (name, field) in fields() {
-        let spread = Spread { steep: 0, ..on_driver(&field.distance, &points) };
-        note(&name, "distance", &spread, &mut table, &mut complaints);
+        for (what, language) in [("distance", KernelLanguage::Wgsl), ("in GLSL", KernelLanguage::Glsl450)] {
+            let spread = Spread { steep: 0, ..on_driver(&field.distance, language, &points) };
+            note(&name, what, &spread, &mut table, &mut complaints);
+        }
         let hardware = on_hardware(&field.gradient);
         let words = on_device(lavapipe(), &hardware, entry(&hardware), KernelLanguage::Wgsl, &points);
         let lanes = run::<f32>(&hardware, &points);

@@ -15,6 +15,9 @@ use crate::program::{Binary, Unary};
 pub const LARGEST: f64 = f32::MAX as f64;
 /// The smallest normal number of the language.
 pub const SMALLEST_NORMAL: f64 = f32::MIN_POSITIVE as f64;
+/// What the derivative of an angle takes the square of a vector for at least: the reciprocal of less than this, times
+/// other numbers, may be infinite in `f32`.
+pub const LEAST_SQUARE: f64 = 1e-36;
 
 /// A kind of numbers.
 pub trait Number: Copy + Send + Sync {

@@ -3,7 +3,7 @@
 
 use super::{Slope, Walk, chosen, difference, divided, negated, scaled, sum};
 use crate::build::Builder;
-use crate::number::SMALLEST_NORMAL;
+use crate::number::{LEAST_SQUARE, SMALLEST_NORMAL};
 use crate::program::{Binary, Node, Ternary, Type, Unary, Value};
 
 /// The slopes of a node that has been copied and is no call, branch, loop or part.
@@ -188,10 +188,11 @@ impl Operation<'_, '_> {
                 let (left, right) = (scaled(b, &dx, by_base), scaled(b, &dy, by_exponent));
                 sum(b, left, right)
             }
-            // atan2(x, y)' == (y·x' - x·y') / (x² + y²)
+            // atan2(x, y)' == (y·x' - x·y') / (x² + y²), where the square is not so small that it is lost.
             Binary::Atan2 => {
-                let (uu, vv) = (b.mul(u, u), b.mul(v, v));
+                let (uu, vv, least) = (b.mul(u, u), b.mul(v, v), b.float(LEAST_SQUARE));
                 let square = b.add(uu, vv);
+                let square = b.max(square, least);
                 let (left, right) = (scaled(b, &dx, v), scaled(b, &dy, u));
                 let top = difference(b, left, right);
                 divided(b, &top, square)

@@ -3,7 +3,7 @@
 //! Where a function has a crease (`abs`, `min`, …) the derivative is that of the branch that the value takes, and
 //! where it jumps or has a pole it is that of the saturated function: 0.
 
-use crate::number::{LARGEST, Number, SMALLEST_NORMAL};
+use crate::number::{LARGEST, LEAST_SQUARE, Number, SMALLEST_NORMAL};
 use crate::program::{Binary, Unary};
 
 /// A number and its derivative by three variables.
@@ -173,7 +173,7 @@ impl<N: Number> Number for Dual<N> {
             }
             Binary::Atan2 => {
                 let square = add(mul(x, x), mul(y, y));
-                let scale = reciprocal(square);
+                let scale = reciprocal(N::binary(Binary::Max, square, number(LEAST_SQUARE)));
                 a.chain2(b, f, mul(y, scale), N::unary(Unary::Negate, mul(x, scale)))
             }
             Binary::Dot

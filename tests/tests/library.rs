@@ -1,6 +1,6 @@
 //! The library's page and its pictures are what the doc comments say. `UPDATE_FIXTURES=1 cargo test` makes them anew.
 
-use sdf_lang::{Entry, reference};
+use sdf_lang::{Entry, Options, compile, reference};
 use sdf_render::Picture;
 use sdf_tests::reference::{page, page_path, picture, picture_path, picture_scene};
 use std::collections::BTreeSet;
@@ -24,6 +24,16 @@ fn the_page_says_what_the_doc_comments_say() {
     }
     let found = fs::read_to_string(page_path()).expect("grammar/library.md is there");
     assert!(found == expected, "run `UPDATE_FIXTURES=1 cargo test --workspace --test library`");
+}
+
+/// The scene of the page's first picture, which is too large to be drawn by every client as the examples are.
+#[test]
+fn the_gallery_is_a_scene() {
+    let folder = page_path().parent().expect("a folder").to_path_buf();
+    let text = fs::read_to_string(folder.join("gallery.sdf")).expect("grammar/gallery.sdf is there");
+    let compilation = compile("gallery.sdf", &text, &Options::default());
+    assert_eq!(compilation.diagnostics, []);
+    assert!(compilation.scene.is_some() && folder.join("gallery.png").is_file());
 }
 
 /// All the pictures together, in bytes.

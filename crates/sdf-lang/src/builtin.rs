@@ -248,6 +248,10 @@ static FUNCTIONS: &[BuiltIn] = &[
             place: shape.place,
         })))
     }),
+    function("outlined", &[("s", SHAPE)], |e, a, _| {
+        let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
+        Ok(e.outlined(&shape.clone()))
+    }),
     function("gradient", &[("s", SHAPE), ("p", VEC3)], |e, a, span| {
         let Some(Value::Shape(shape)) = &a[0] else { unreachable!("fits") };
         let point = e.widen(&number(a, 1), Type::Vec3, span)?;

@@ -93,6 +93,10 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
         &[
             ("paint", "The shape in a material, or in a colour; what is painted inside of it keeps its own."),
             (
+                "outlined",
+                "The shape, as a function of its own in the shader: for what samples it at several points.",
+            ),
+            (
                 "gradient",
                 "The distance at a point and its exact gradient, as a record `(distance, gradient)`.",
             ),

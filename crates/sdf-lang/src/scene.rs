@@ -116,7 +116,8 @@ impl<'t> Elaborator<'t> {
             points => self.attack(&union, points)?,
         }
         let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
-        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, Thunk::Fixed);
+        let thunk = Thunk::Fixed("The distance from a point to the scene.");
+        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, thunk);
         let glows = self.glows(&shapes)?;
         let mut summary = self.summary(&settings, &glows, shapes.len());
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);

@@ -2,7 +2,8 @@
 
 use crate::context::Op;
 use crate::errors;
-use crate::eval::{Elaborator, Eval, Reported};
+use crate::eval::{Elaborator, Eval, Reported, name_shape};
+use crate::facts::shapes_in;
 use crate::value::{Env, Module, Number, Origin, Repr, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::Type;
 use sdf_syntax::Span;
@@ -75,6 +76,16 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// `outlined(s)`: the shape as a function of its own, for what samples it at several points. What is one primitive,
+    /// moved perhaps, is that already, and so is what the user named.
+    pub fn outlined(&mut self, shape: &Rc<Shape<'t>>) -> Value<'t> {
+        if is_outlined(shape) {
+            return Value::Shape(shape.clone());
+        }
+        let thunk = Thunk::Fixed("The distance from a point to the shape of which there are copies.");
+        name_shape(Value::Shape(shape.clone()), &Arc::from("copy"), shape.place, thunk)
+    }
+
     pub fn union_distance(&mut self, shapes: &[Rc<Shape<'t>>], point: &Number, span: Span) -> Eval<Number> {
         let mut nearest: Option<Number> = None;
         for shape in shapes {
@@ -145,7 +156,7 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Number> {
         let key = match thunk {
             Thunk::Let(binding) => Some(std::ptr::from_ref(*binding).cast::<()>()),
-            Thunk::Fixed => Some(Rc::as_ptr(inner).cast::<()>()),
+            Thunk::Fixed(_) => Some(Rc::as_ptr(inner).cast::<()>()),
             Thunk::Call { .. } => None,
         };
         let key = key.filter(|_| !self.contexts.frame_calls());
@@ -159,8 +170,8 @@ impl<'t> Elaborator<'t> {
         }
         let line = self.line(place);
         self.contexts.open(name, line);
-        if matches!(thunk, Thunk::Fixed) {
-            self.contexts.describe(Some(Arc::from("The distance from a point to the scene.")));
+        if let Thunk::Fixed(what) = thunk {
+            self.contexts.describe(Some(Arc::from(*what)));
         }
         let inner_point = self.contexts.parameter(&Arc::from("p"), point, true);
         let result =
@@ -268,6 +279,20 @@ impl<'t> Elaborator<'t> {
         }
         let value = self.contexts.value(point);
         Number { repr: Repr::Local(self.contexts.depth(), value), ..point.clone() }
+    }
+}
+
+fn is_outlined(shape: &Shape<'_>) -> bool {
+    match &shape.kind {
+        ShapeKind::Named { .. } => true,
+        ShapeKind::Painted { shape, .. } => is_outlined(shape),
+        ShapeKind::Choice { .. } => false,
+        ShapeKind::Union { shapes } => matches!(&shapes[..], [one] if is_outlined(one)),
+        ShapeKind::Field { env, origin, .. } => match &shapes_in(env)[..] {
+            [] => origin.is_some(),
+            [one] => origin.is_some_and(|o| !o.module.is_user()) && is_outlined(one),
+            _ => false,
+        },
     }
 }
 

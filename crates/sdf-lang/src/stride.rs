@@ -175,7 +175,13 @@ impl<'t> Elaborator<'t> {
         let to_box = self.beyond(&extent, point, span)?;
         let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
         let to_box = self.unary(Unary::Length, &to_box, span)?;
-        let within = self.binary(Binary::Divide, distance, &Number::float(slope.max(1.0)), span)?;
+        let mut slope = Number::float(slope.max(1.0));
+        if self.stated(shape).is_some_and(|s| s.contract.quality.is_some()) && !self.slope_of(shape)?.wild {
+            // What is as good as its shapes is no steeper than they are where it samples them.
+            let local = self.slope(shape, point, distance, span)?;
+            slope = self.binary(Binary::Min, &slope, &local, span)?;
+        }
+        let within = self.binary(Binary::Divide, distance, &slope, span)?;
         Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, to_box, within]))
     }
 

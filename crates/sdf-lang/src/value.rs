@@ -225,8 +225,8 @@ pub(crate) enum Thunk<'t> {
     Let(&'t Binding),
     /// A call of a user's function.
     Call { function: &'t Function, module: Module, arguments: Vec<(Arc<str>, Value<'t>)> },
-    /// A shape that is what it is.
-    Fixed,
+    /// A shape that is what it is, and what its function does.
+    Fixed(&'static str),
 }
 
 /// What a surface looks like, as a function of a point.

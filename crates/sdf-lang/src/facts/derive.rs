@@ -12,7 +12,7 @@ use crate::facts::promise::bounds_of_cell;
 use crate::facts::{Slope, flat};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
 use sdf_ir::interval::{Bounds, Interval, Sloped, Walker};
-use sdf_ir::region::{Extent, Steepness, fill, steepest};
+use sdf_ir::region::{Extent, FAR, Steepness, fill, steepest};
 use sdf_ir::{Function, Node, Program, RegionId, Type};
 use sdf_syntax::tree::{Block, Dimension};
 use std::rc::Rc;
@@ -64,6 +64,9 @@ struct Sampled {
     argument: usize,
     /// The slope of its shape everywhere; infinite where nothing is known.
     slope: f64,
+    /// The slope of its shape in a region, and that region. A place beyond its border by rounding counts as inside.
+    within: f64,
+    region: Extent,
     /// Whether its shape must not be trusted everywhere.
     wild: bool,
     /// The box of its shape; outside of it the distance is above 0.
@@ -73,6 +76,16 @@ struct Sampled {
 }
 
 impl Sampled {
+    /// The slope of its shape where it is sampled at any of these points.
+    fn slope_at(&self, at: &Bounds) -> f64 {
+        let is_inside = |i: usize| {
+            let (lo, hi) = (self.region.lo[i], self.region.hi[i]);
+            let rounding = 1e-12 * (lo.abs().min(FAR) + hi.abs().min(FAR));
+            at.part(i).lo >= lo - rounding && at.part(i).hi <= hi + rounding
+        };
+        if (0..at.size()).all(is_inside) { self.within.min(self.slope) } else { self.slope }
+    }
+
     /// The least that the distance can be where the shape is sampled at any of these points.
     fn least(&self, at: &Bounds) -> f64 {
         let away = distance_to_box(at, &self.extent);
@@ -275,11 +288,28 @@ impl<'t> Elaborator<'t> {
             };
             let argument = argument as usize;
             samples.push(if depends_on_a_point_inside(&shape) {
-                Sampled { argument, slope: f64::INFINITY, wild: true, extent: Extent::ALL, is_exact: false }
+                Sampled {
+                    argument,
+                    slope: f64::INFINITY,
+                    within: f64::INFINITY,
+                    region: Extent::ALL,
+                    wild: true,
+                    extent: Extent::ALL,
+                    is_exact: false,
+                }
             } else {
                 let (slope, extent) = (self.slope_of(&shape)?, self.extent_of(&shape, 0.0)?);
                 let is_exact = slope.quality == Some(Quality::Exact);
-                Sampled { argument, slope: slope.everywhere, wild: slope.wild, extent, is_exact }
+                let (region, within) = (self.region(&shape)?, slope.within);
+                Sampled {
+                    argument,
+                    slope: slope.everywhere,
+                    within,
+                    region,
+                    wild: slope.wild,
+                    extent,
+                    is_exact,
+                }
             });
         }
         Ok(Some(Formula { ty, whole, outer, inner, samples, operations }))
@@ -356,7 +386,7 @@ impl<'a> Walk<'a> {
         let mut arguments = self.outer.run(&[point]).to_vec();
         let points = arguments.split_off(self.formula.inner.parameters.len());
         for (sample, at) in self.formula.samples.iter().zip(&points) {
-            let stated = sample.slope * at.norm();
+            let stated = sample.slope_at(&at.bounds) * at.norm();
             let argument = &mut arguments[sample.argument];
             if stated < argument.norm() {
                 *argument = Sloped::within(argument.bounds, stated);

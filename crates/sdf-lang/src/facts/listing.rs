@@ -3,7 +3,7 @@
 use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::shapes_in;
-use crate::value::{Module, Shape, ShapeKind, Value};
+use crate::value::{Module, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::cost;
 use sdf_ir::region::Extent;
 use sdf_ir::{Node, Type};
@@ -100,11 +100,13 @@ impl<'t> Elaborator<'t> {
         seen: &mut HashSet<*const ()>,
         rows: &mut Vec<Fact>,
     ) -> Eval<()> {
+        if let ShapeKind::Painted { shape, .. }
+        | ShapeKind::Named { thunk: Thunk::Fixed(_), inner: shape, .. } = &shape.kind
+        {
+            return self.add_rows(shape, depth, seen, rows);
+        }
         if rows.len() >= ROWS || !seen.insert(Rc::as_ptr(shape).cast()) {
             return Ok(());
-        }
-        if let ShapeKind::Painted { shape, .. } = &shape.kind {
-            return self.add_rows(shape, depth, seen, rows);
         }
         let fact = self.fact(shape, depth)?;
         rows.push(fact);

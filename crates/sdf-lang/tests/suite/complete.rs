@@ -84,6 +84,7 @@ const FUNCTIONS: &[(&str, &str, [f64; 3], f64)] = &[
     ("iterate", "iterate(5, a, |i, s| s + i, until: |s| s > b)", [1.0, 3.0, 0.0], 4.0),
     ("rotated", "rotated((-b, a, c), (a, b, c), 90deg, z).x", [3.0, 4.0, 5.0], -4.0),
     ("paint", "ball.paint(#ff0000)(a, b, c)", [3.0, 0.0, 0.0], 2.0),
+    ("outlined", "outlined(smin(ball, box(1), k: 0))(a, b, c)", [4.0, 0.0, 0.0], 3.0),
     (
         "gradient",
         "gradient(ball, (a, b, c)).gradient.y + gradient(ball, (a, b, c)).distance",

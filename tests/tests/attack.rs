@@ -9,7 +9,8 @@ use sdf_tests::attack::calls::{Calls, calls_of, doubtful};
 use sdf_tests::attack::definitions::Definitions;
 use sdf_tests::attack::forms::{Form, forms};
 use sdf_tests::attack::measures::{
-    class_name, excess, filled, not_finite, points_round, projection, rounded, size, steepest, steepest_pair, surface,
+    class_name, excess, filled, not_finite, points_round, projection, rounded, size, steepest, steepest_pair,
+    surface,
 };
 use sdf_tests::attack::points::{Points, Random, along, at, columns, seed};
 use sdf_tests::attack::search::{Found, Solid, distance_to_curve};
@@ -40,7 +41,17 @@ const LOOSE_BOXES: [(&str, &str); 1] =
 const TIGHT_SLOPE: f64 = 1.25;
 /// The functions that move shapes rigidly, or put them together.
 const RIGID: [&str; 11] = [
-    "at", "rotate", "rotate_x", "rotate_y", "rotate_z", "mirror", "union", "repeat", "repeat_polar", "flip", "orient",
+    "at",
+    "rotate",
+    "rotate_x",
+    "rotate_y",
+    "rotate_z",
+    "mirror",
+    "union",
+    "repeat",
+    "repeat_polar",
+    "flip",
+    "orient",
 ];
 
 /// What was measured of one call.
@@ -78,13 +89,12 @@ struct Attack<'a> {
 }
 
 fn attacked(attack: &Attack) -> Row {
-    let t0 = std::time::Instant::now();
     let subject = attack.subject;
     let mut row = Row { function: attack.form.name.clone(), call: subject.call.clone(), ..Row::default() };
     for complaint in [not_finite(subject), rounded(subject)].into_iter().flatten() {
         row.complain(complaint);
     }
-let Some(fact) = &subject.fact else { return row };
+    let Some(fact) = &subject.fact else { return row };
     if subject.is_nothing {
         if subject.kind.is_shape() && !fact.extent.is_empty() {
             row.complain(format!("it is nothing and has the box {:?}", fact.extent));
@@ -98,9 +108,12 @@ let Some(fact) = &subject.fact else { return row };
     let (steepest_pair, violations) = steepest_pair(subject, &points, &sampled.distance);
     row.steepest = steepest_pair;
     if violations > 0 {
-        row.complain(format!("{violations} pairs are steeper than {}; the steepest has {steepest_pair}", row.slope));
+        row.complain(format!(
+            "{violations} pairs are steeper than {}; the steepest has {steepest_pair}",
+            row.slope
+        ));
     }
-if fact.class != Class::Steep {
+    if fact.class != Class::Steep {
         let steepest = steepest(&sampled);
         if !(steepest <= 1.0 + 1e-9) {
             row.complain(format!("there is a gradient of {steepest}"));
@@ -113,7 +126,7 @@ if fact.class != Class::Steep {
     if !subject.kind.is_shape() {
         return row;
     }
-let filled = filled(subject, &points, &sampled.distance);
+    let filled = filled(subject, &points, &sampled.distance);
     if filled.outside.0 > 0 {
         let (count, p) = filled.outside;
         row.complain(format!("{count} points of it, such as {p:?}, lie outside of {:?}", fact.extent));
@@ -123,29 +136,32 @@ let filled = filled(subject, &points, &sampled.distance);
     let is_loose = LOOSE_BOXES.iter().any(|(name, _)| *name == attack.form.name);
     let is_measured = (fact.class == Class::Exact || attack.is_example) && !is_loose;
     if attack.form.is_primitive && is_measured && !(row.excess <= TIGHT_BOX) {
-        row.complain(format!("its box {:?} is {:.3} times as long as {:?}", fact.extent, row.excess, filled.found));
+        row.complain(format!(
+            "its box {:?} is {:.3} times as long as {:?}",
+            fact.extent, row.excess, filled.found
+        ));
     }
-if fact.class == Class::Exact {
+    if fact.class == Class::Exact {
         let projection = projection(subject, &points, &sampled);
         row.left_out = projection.left_out as f64 / projection.tried.max(1) as f64;
         row.projected = projection.worst.0;
         if !(row.projected <= PROJECTED) {
             let (share, p) = projection.worst;
-            row.complain(format!("from {p:?} the gradient does not lead to the surface, by {share:.2e} of the size"));
+            row.complain(format!(
+                "from {p:?} the gradient does not lead to the surface, by {share:.2e} of the size"
+            ));
         }
         if row.left_out > LEFT_OUT {
             row.complain(format!("beside {:.2} % of the points the gradient jumps", 100.0 * row.left_out));
         }
     }
-if let Some(solid) = &attack.solid
+    if let Some(solid) = &attack.solid
         && let Some(complaint) = other_sign(subject, solid, &points, &sampled)
     {
         row.complain(complaint);
     }
-if fact.class == Class::Exact {
-        let t1 = t0.elapsed();
+    if fact.class == Class::Exact {
         search(attack, &mut row);
-        eprintln!("TIME {t1:?} {:?} {}", t0.elapsed() - t1, attack.subject.call);
     }
     row
 }
@@ -221,7 +237,10 @@ fn search(attack: &Attack, row: &mut Row) {
         let error = (d - found.at_most).max(found.at_least - d).max(0.0) / size;
         if error > worst {
             worst = error;
-            complaint = Some(format!("at {p:?} the field is {d}, the distance {} to {}", found.at_least, found.at_most));
+            complaint = Some(format!(
+                "at {p:?} the field is {d}, the distance {} to {}",
+                found.at_least, found.at_most
+            ));
         }
     }
     row.searched = Some(worst);
@@ -248,9 +267,7 @@ fn every_contract_holds() {
     let (solids, curves) = (Definitions::solids(&forms), Definitions::curves(&forms));
     let mut complaints = Vec::new();
     forms.retain(|form| only.as_ref().is_none_or(|name| form.name == *name));
-    let t1 = std::time::Instant::now();
     let all = all_calls(&forms);
-    eprintln!("compiled {:?}", t1.elapsed());
     let mut subjects = Vec::new();
     for (form, calls) in &all {
         if form.examples.is_empty() {
@@ -260,7 +277,8 @@ fn every_contract_holds() {
             Ok(calls) => {
                 for calls in calls {
                     complaints.extend(calls.complaints.iter().cloned());
-                    subjects.extend(calls.subjects.iter().enumerate().map(|(i, subject)| (*form, i, subject)));
+                    subjects
+                        .extend(calls.subjects.iter().enumerate().map(|(i, subject)| (*form, i, subject)));
                 }
             }
             Err(complaint) => complaints.push(complaint.clone()),
@@ -272,9 +290,8 @@ fn every_contract_holds() {
             let mut said = Vec::new();
             let mut definition = |definitions: &Definitions, kind| {
                 let has = definitions.has(&form.name);
-                has.then(|| definitions.program(&form.name, &subject.call, kind)).and_then(|program| {
-                    program.map_err(|error| said.push(error)).ok()
-                })
+                has.then(|| definitions.program(&form.name, &subject.call, kind))
+                    .and_then(|program| program.map_err(|error| said.push(error)).ok())
             };
             let is_shape = subject.kind.is_shape() && !subject.is_nothing;
             let (solid, curve) = match is_shape {
@@ -282,7 +299,7 @@ fn every_contract_holds() {
                 false => (None, None),
             };
             let is_exact = subject.fact.as_ref().is_some_and(|fact| fact.class == Class::Exact);
-            if is_shape && is_exact && form.is_primitive && solid.is_none() && curve.is_none() {
+            if is_shape && is_exact && solid.is_none() && curve.is_none() {
                 said.push(format!("{} has no definition", form.name));
             }
             let is_example = *i == 0;
@@ -302,7 +319,13 @@ fn every_contract_holds() {
         writeln!(
             table,
             "{:<14} {short:<70} {:<6} {:>7.3}% {:>9.1e} {searched:>9} {:>7.3} {:>8.4} {:>6.3}",
-            row.function, row.class, 100.0 * row.left_out, row.projected, row.slope, row.steepest, row.excess
+            row.function,
+            row.class,
+            100.0 * row.left_out,
+            row.projected,
+            row.slope,
+            row.steepest,
+            row.excess
         )
         .expect("a string grows");
         complaints.extend(row.complaints.iter().cloned());
@@ -354,7 +377,15 @@ fn impostor(items: &str) -> Row {
     let solids = Definitions::solids(&forms);
     let solid = Some(solids.program("sphere", "sphere(0.5)", Kind::Solid).expect("a definition"));
     let curve = None;
-    attacked(&Attack { form, subject: &subject, solid, curve, points: 20_000, searches: 20, is_example: true })
+    attacked(&Attack {
+        form,
+        subject: &subject,
+        solid,
+        curve,
+        points: 20_000,
+        searches: 20,
+        is_example: true,
+    })
 }
 
 /// Each measure can fail: of shapes that are a little wrong in one way each.
@@ -385,7 +416,8 @@ fn impostors_are_caught() {
     let too_small = "@exact @bounds(-0.5, (0.5, 0.4995, 0.5)) fn impostor() = field { length(p) - 0.5 }";
     let too_large = "@exact @bounds(-0.5, (0.5, 0.65, 0.5)) fn impostor() = field { length(p) - 0.5 }";
     let too_slack = "@lipschitz(1.3) @bounds(-0.5, 0.5) fn impostor() = field { length(p) - 0.5 }";
-    for (items, said) in [(too_small, "lie outside"), (too_large, "times as long"), (too_slack, "far above")] {
+    for (items, said) in [(too_small, "lie outside"), (too_large, "times as long"), (too_slack, "far above")]
+    {
         let caught = impostor(items).complaints;
         assert!(caught.iter().any(|complaint| complaint.contains(said)), "{items}: {caught:?}");
     }

@@ -77,7 +77,13 @@ fn the_driver_computes_what_the_lanes_compute() {
     let points = points(COUNT);
     for (name, field) in fields() {
         for (what, program) in [("distance", &field.distance), ("gradient", &field.gradient)] {
-            note(&name, what, &on_driver(program, KernelLanguage::Wgsl, &points), &mut table, &mut complaints);
+            note(
+                &name,
+                what,
+                &on_driver(program, KernelLanguage::Wgsl, &points),
+                &mut table,
+                &mut complaints,
+            );
         }
     }
     keep("fields_on_driver.txt", &table);

@@ -259,7 +259,9 @@ pub fn doubtful(form: &Form, example: &str) -> Vec<String> {
         text.contains(',') && !text.contains(|c: char| c.is_ascii_alphabetic())
     };
     let vectors: Vec<&Range<usize>> = groups.iter().filter(is_vector).collect();
-    let with = |group: &Range<usize>, new: &str| format!("{}{new}{}", &example[..group.start], &example[group.end..]);
+    let with = |group: &Range<usize>, new: &str| {
+        format!("{}{new}{}", &example[..group.start], &example[group.end..])
+    };
     for vector in &vectors {
         let zeros: Vec<&str> = example[(*vector).clone()].split(',').map(|_| "0").collect();
         calls.push(with(vector, &zeros.join(", ")));
@@ -267,7 +269,9 @@ pub fn doubtful(form: &Form, example: &str) -> Vec<String> {
     }
     // A shape without an end in the place of a call, and a function that jumps in the place of another.
     for group in &groups {
-        let name = example[..group.start - 1].rfind(|c: char| !(c.is_alphanumeric() || c == '_')).map_or(0, |i| i + 1);
+        let name = example[..group.start - 1]
+            .rfind(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .map_or(0, |i| i + 1);
         if name < group.start - 1 {
             let whole = name..group.end + 1;
             calls.extend(ENDLESS.iter().map(|shape| with(&whole, shape)));
@@ -331,8 +335,7 @@ mod tests {
     fn literals_are_numbers_and_nothing_else() {
         let text = "cross2(0.52, 8, p.x2, #334455).rotate(40deg, -.5e-3) + v[0..3]";
         let found: Vec<(f64, bool)> = literals(text).iter().map(|l| (l.value, l.is_whole)).collect();
-        let expected =
-            [(0.52, false), (8.0, true), (40.0, false), (0.0005, false), (0.0, true), (3.0, true)];
+        let expected = [(0.52, false), (8.0, true), (40.0, false), (0.0005, false), (0.0, true), (3.0, true)];
         assert_eq!(found, expected);
     }
 

@@ -74,9 +74,9 @@ pub struct Projection {
 /// From each point outside one goes the distance against the gradient: there must be the surface.
 pub fn projection(subject: &Subject, points: &Points, sampled: &Sampled) -> Projection {
     let size = size(subject.fact());
-    let ends = columns((0..points[0].len()).map(|i| {
-        along(at(points, i), at(&sampled.gradient, i), -sampled.distance[i])
-    }));
+    let ends = columns(
+        (0..points[0].len()).map(|i| along(at(points, i), at(&sampled.gradient, i), -sampled.distance[i])),
+    );
     let left = subject.distances(&ends);
     let mut out = Projection::default();
     for i in 0..left.len() {
@@ -232,9 +232,7 @@ pub fn not_finite(subject: &Subject) -> Option<String> {
     // which others are multiplied, as large as a number can be.
     let is_lost = |i: usize| points.iter().any(|c| c[i] != 0.0 && c[i].abs() < 1e-21);
     find("the gradient in f64", &|i| double.iter().all(|c| c[i].is_finite()))
-        .or_else(|| find("the gradient in f32", &|i| {
-                is_lost(i) || narrow.iter().all(|c| c[i].is_finite())
-            }))
+        .or_else(|| find("the gradient in f32", &|i| is_lost(i) || narrow.iter().all(|c| c[i].is_finite())))
         .or_else(|| find("the distance in f32", &|i| distance.iter().all(|c| c[i].is_finite())))
         .or_else(|| {
             let finite = |d: &Dual<f64>| d.value.is_finite() && d.slope.iter().all(|x| x.is_finite());

@@ -82,7 +82,11 @@ fn least(
         for side in [0, 1] {
             let mut part = extent;
             let middle = extent.lo[axis] + extent.size()[axis] / 2.0;
-            if side == 0 { part.hi[axis] = middle } else { part.lo[axis] = middle }
+            if side == 0 {
+                part.hi[axis] = middle
+            } else {
+                part.lo[axis] = middle
+            }
             asked += 1;
             if let Some(known) = ask(&part, at_most) {
                 at_most = at_most.min(known.at_most);
@@ -207,7 +211,8 @@ impl Solid {
             }
             let limit = so_far.min(at_most) - tolerance;
             let half: [f64; 3] = std::array::from_fn(|i| (part.hi[i] - part.lo[i]) / 2.0);
-            let is_dropped = limit.is_finite() && is_farther(&conditions, along(center, p, -1.0), half, limit.max(0.0));
+            let is_dropped =
+                limit.is_finite() && is_farther(&conditions, along(center, p, -1.0), half, limit.max(0.0));
             (!is_dropped).then_some(Known { at_least, at_most, effect: part.size() })
         })
     }
@@ -349,9 +354,17 @@ mod tests {
         let found = ball.distance([1.0, 2.0, -2.0], 4.0, &guesses, 1e-5);
         assert!(found.at_least <= 2.5 && found.at_most >= 2.5 && found.asked < 5_000, "{found:?}");
         let cylinder = solid("cylinder", "cylinder(0.6, 1.2)");
-        let found = cylinder.distance([0.8, 2.2, -1.0], 4.0, &[[0.8 / 1.64f64.sqrt() * 0.6, 1.2, -0.6 / 1.64f64.sqrt()]], 1e-5);
+        let found = cylinder.distance(
+            [0.8, 2.2, -1.0],
+            4.0,
+            &[[0.8 / 1.64f64.sqrt() * 0.6, 1.2, -0.6 / 1.64f64.sqrt()]],
+            1e-5,
+        );
         let expected = 1.0f64.hypot(1.64f64.sqrt() - 0.6);
-        assert!(found.at_least <= expected && found.at_most >= expected - 1e-9 && found.asked < 2_000, "{found:?}");
+        assert!(
+            found.at_least <= expected && found.at_most >= expected - 1e-9 && found.asked < 2_000,
+            "{found:?}"
+        );
         let curves = Definitions::curves(&forms);
         let line = "capsule((-1, 0, 0), (1, 0, 0), 0.5)";
         let line = curves.program("capsule", line, Kind::Solid).expect("a definition");

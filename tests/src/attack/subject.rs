@@ -152,7 +152,9 @@ fn refusal(diagnostics: &[Diagnostic]) -> Refusal {
     } else if errors.iter().any(|d| matches!(d.code, Code::E044 | Code::E045)) {
         Refusal::TooLarge
     } else {
-        Refusal::Mistake(errors.iter().map(|d| format!("{}: {}", d.code, d.message)).collect::<Vec<_>>().join("; "))
+        Refusal::Mistake(
+            errors.iter().map(|d| format!("{}: {}", d.code, d.message)).collect::<Vec<_>>().join("; "),
+        )
     }
 }
 

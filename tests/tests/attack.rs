@@ -12,7 +12,7 @@ use sdf_tests::attack::measures::{
     class_name, excess, filled, not_finite, points_round, projection, rounded, size, steepest, steepest_pair,
     surface,
 };
-use sdf_tests::attack::points::{Points, Random, along, at, columns, seed};
+use sdf_tests::attack::points::{Points, Random, along, at, columns, exceeds, seed};
 use sdf_tests::attack::search::{Found, Solid, distance_to_curve};
 use sdf_tests::attack::subject::{Kind, Refusal, Sampled, Subject, kind_of};
 use sdf_tests::fields::entry;
@@ -115,7 +115,7 @@ fn attacked(attack: &Attack) -> Row {
     }
     if fact.class != Class::Steep {
         let steepest = steepest(&sampled);
-        if !(steepest <= 1.0 + 1e-9) {
+        if exceeds(steepest, 1.0 + 1e-9) {
             row.complain(format!("there is a gradient of {steepest}"));
         }
     }
@@ -135,7 +135,7 @@ fn attacked(attack: &Attack) -> Row {
     // Of what is only a bound, ends may not have been found where it is thin.
     let is_loose = LOOSE_BOXES.iter().any(|(name, _)| *name == attack.form.name);
     let is_measured = (fact.class == Class::Exact || attack.is_example) && !is_loose;
-    if attack.form.is_primitive && is_measured && !(row.excess <= TIGHT_BOX) {
+    if attack.form.is_primitive && is_measured && exceeds(row.excess, TIGHT_BOX) {
         row.complain(format!(
             "its box {:?} is {:.3} times as long as {:?}",
             fact.extent, row.excess, filled.found
@@ -145,7 +145,7 @@ fn attacked(attack: &Attack) -> Row {
         let projection = projection(subject, &points, &sampled);
         row.left_out = projection.left_out as f64 / projection.tried.max(1) as f64;
         row.projected = projection.worst.0;
-        if !(row.projected <= PROJECTED) {
+        if exceeds(row.projected, PROJECTED) {
             let (share, p) = projection.worst;
             row.complain(format!(
                 "from {p:?} the gradient does not lead to the surface, by {share:.2e} of the size"
@@ -262,6 +262,7 @@ fn all_calls(forms: &[Form]) -> Vec<(&Form, Result<Vec<Calls>, String>)> {
 
 #[test]
 fn every_contract_holds() {
+    // `ATTACK=sphere cargo test --test attack` attacks one function alone.
     let only = std::env::var("ATTACK").ok();
     let mut forms = forms();
     let (solids, curves) = (Definitions::solids(&forms), Definitions::curves(&forms));

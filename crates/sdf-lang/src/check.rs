@@ -134,7 +134,7 @@ impl Check<'_, '_> {
         let Some(contract) = contract else { return };
         let (promises, requirements) = contract.expressions();
         requirements.into_iter().for_each(|e| self.expr(e));
-        self.with_point(contract::variables(self.module), |c| promises.into_iter().for_each(|e| c.expr(e)));
+        self.with_point(&contract::VARIABLES, |c| promises.into_iter().for_each(|e| c.expr(e)));
     }
 
     fn bindings(&mut self, bindings: &[Binding], f: impl FnOnce(&mut Self)) {

@@ -1,7 +1,7 @@
 //! What an item promises of its field, and what it requires: the attributes before a `fn` or a `let`.
 
 use crate::errors;
-use crate::value::Module;
+use crate::walk;
 use sdf_syntax::tree::{Attribute, AttributeArgument, Expr};
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
 
@@ -80,6 +80,12 @@ impl<'t> Contract<'t> {
         contract
     }
 
+    /// Whether its box is one for each level, and not that of the surface and the inside alone.
+    pub fn is_of_levels(&self) -> bool {
+        let mentions = |e: &Expr| walk::any_name(e, &mut |name| name == "level");
+        self.bounds.is_some_and(|(lo, hi, _)| mentions(lo) || mentions(hi))
+    }
+
     /// Where its first promise stands.
     pub fn place(&self) -> Option<Span> {
         let quality = self.quality.map(|q| q.1);
@@ -104,11 +110,6 @@ impl<'t> Contract<'t> {
     }
 }
 
-/// What a contract's expressions see besides the parameters: the point and a distance from it in `@lipschitz`, and
-/// in the library's `@bounds` the level: the box is that of the points where the field is at most that.
-pub(crate) fn variables(module: Module) -> &'static [&'static str] {
-    match module {
-        Module::User(_) => &["p", "d"],
-        Module::Library | Module::Runtime => &["p", "d", "level"],
-    }
-}
+/// What a contract's expressions see besides the parameters: the point and a distance from it in `@lipschitz`; in
+/// `@bounds` the level: then the box is that of the points where the field is at most that, for any level.
+pub(crate) const VARIABLES: [&str; 3] = ["p", "d", "level"];

@@ -59,9 +59,9 @@ fn a_page_is_for_people() {
 
 #[test]
 fn a_word_that_is_not_there_is_refused() {
-    let (status, out, err) = doc(&["sphear"]);
+    let (status, out, err) = doc(&["spheer"]);
     assert_eq!((status, out.as_str()), (Some(2), ""));
-    assert!(err.starts_with("error: the language has no word `sphear`\n"), "{err}");
+    assert!(err.starts_with("error: the language has no word `spheer`\n"), "{err}");
     assert!(err.contains("did you mean `sphere`? `sdfc doc` lists all"), "{err}");
     assert!(doc(&["xxxxxxxx"]).2.contains("help: `sdfc doc` lists all"));
 }

@@ -6,10 +6,9 @@ use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::boxes;
-use crate::facts::promise::{bounds_of_cell, coordinate, corner_number};
+use crate::facts::promise::{UNKNOWN_SLOPE, bounds_of_cell, coordinate, corner_number};
 use crate::value::{Number, Repr, Shape, Value};
 use sdf_ir::interval::{Interval, Sloped, Walker};
-use sdf_ir::number::LARGEST;
 use sdf_ir::region::{Extent, FAR, Steepness, steepest};
 use sdf_ir::{Constant, Role, Type, Uniform};
 use sdf_syntax::Span;
@@ -73,11 +72,11 @@ impl<'t> Elaborator<'t> {
                     }
                 }
                 let slope = self.slope_of(&shape.clone())?;
-                Ok(Value::float(slope.within.min(LARGEST)))
+                Ok(Value::float(slope.within.min(UNKNOWN_SLOPE)))
             }
             Some(function @ Value::Function(_)) => {
                 let slope = self.slope_of_function(&function.clone(), span)?;
-                Ok(Value::float(slope.min(LARGEST)))
+                Ok(Value::float(slope.min(UNKNOWN_SLOPE)))
             }
             other => {
                 let found = other.as_ref().map_or("nothing".into(), Value::describe);

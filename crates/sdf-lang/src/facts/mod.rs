@@ -181,7 +181,7 @@ impl<'t> Elaborator<'t> {
             self.stated_number(slope, &stated.env, shape.dimension, &region)?.min(everywhere)
         };
         let quality = (everywhere <= 1.0).then_some(Quality::Bound);
-        Ok(Some(Slope { quality, everywhere, within, wild: false }))
+        Ok(Some(Slope { quality, everywhere, within, wild: within.is_infinite() }))
     }
 
     /// The slope of a field that is as good as `quality` and as its worst shape let it be.
@@ -212,8 +212,9 @@ impl<'t> Elaborator<'t> {
             if level != 0.0 && self.slope_of(shape)?.quality == Some(Quality::Exact) {
                 return Ok(self.extent_of(shape, 0.0)?.grown(level.max(0.0)));
             }
-            // What a file promises, it promises of the shape itself.
-            if level == 0.0 || !stated.module.is_user() {
+            // What a file promises, it promises of the shape itself, unless it says `level`.
+            let is_of_levels = stated.contract.is_of_levels() && stated.env.get("level").is_none();
+            if level == 0.0 || !stated.module.is_user() || is_of_levels {
                 return self.stated_extent(stated, shape.dimension, level);
             }
         }

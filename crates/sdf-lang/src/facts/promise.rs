@@ -1,11 +1,9 @@
 //! The expressions of contracts as numbers that hold for all values of the params and for all times.
 
-use crate::contract;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::{Stated, flat};
 use crate::value::{Env, Fields, List, Module, Number, Repr, Value};
 use sdf_ir::interval::{Bounds, Growing, Interval, Walker, bounds_of_uniform};
-use sdf_ir::number::LARGEST;
 use sdf_ir::region::{Extent, FAR};
 use sdf_ir::{Constant, Type};
 use sdf_syntax::tree::{Dimension, Expr, Function};
@@ -20,10 +18,9 @@ impl<'t> Elaborator<'t> {
     pub fn stated_extent(&mut self, stated: &Stated<'t>, dimension: Dimension, level: f64) -> Eval<Extent> {
         let (lo, hi, _) = stated.contract.bounds.expect("it was asked for");
         let env = outermost(&stated.env);
-        let env = match contract::variables(stated.module).contains(&"level") {
-            true => env.bind(Arc::from("level"), Value::float(level)),
-            false => env,
-        };
+        // A parameter of that name hides it.
+        let is_hidden = env.get("level").is_some();
+        let env = if is_hidden { env } else { env.bind(Arc::from("level"), Value::float(level)) };
         let before = std::mem::replace(&mut self.facts.level, level);
         let corners = self
             .calling_anew(|this| Ok((this.corner(lo, &env, dimension)?, this.corner(hi, &env, dimension)?)));
@@ -157,9 +154,12 @@ pub(crate) fn bounds_of_cell(cell: &Extent, ty: Type) -> Bounds {
     Bounds::vector(&components)
 }
 
-/// What no number of the language is counts as infinite.
+/// A slope that stands for one that is not known, with room for contracts to multiply it.
+pub(crate) const UNKNOWN_SLOPE: f64 = 1e28;
+
+/// A slope that is made from one that is not known counts as infinite.
 fn ended(x: f64) -> f64 {
-    if x < LARGEST / 2.0 { x } else { f64::INFINITY }
+    if x < UNKNOWN_SLOPE / 2.0 { x } else { f64::INFINITY }
 }
 
 /// The variables with their numbers as they are outside of all functions, where they are known there.

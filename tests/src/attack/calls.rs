@@ -82,7 +82,7 @@ fn written(x: f64) -> f64 {
 
 /// Another number for a literal, or the same.
 fn another(literal: &Literal, all: &[Literal], random: &mut Random) -> Option<f64> {
-    let chance = random.next();
+    let chance = random.unit();
     if literal.is_whole {
         let n = literal.value;
         let choices = [n, n, n - 1.0, n + 1.0, n + 2.0, 2.0, 1.0, (2.0 * n).min(12.0)];

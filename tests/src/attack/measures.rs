@@ -1,6 +1,6 @@
 //! How well a shape keeps what is said of it.
 
-use super::points::{Points, Random, along, at, columns, holds, length, moved, scattered, seed};
+use super::points::{Points, Random, along, at, columns, exceeds, holds, length, moved, scattered, seed};
 use super::subject::{Sampled, Subject};
 use crate::fields::{in_f32, nasty_points, on_hardware, run, wide};
 use sdf_ir::number::Dual;
@@ -79,17 +79,16 @@ pub fn projection(subject: &Subject, points: &Points, sampled: &Sampled) -> Proj
     );
     let left = subject.distances(&ends);
     let mut out = Projection::default();
-    for i in 0..left.len() {
+    for (i, left) in left.into_iter().enumerate() {
         if sampled.distance[i] <= 1e-9 * size {
             continue;
         }
         out.tried += 1;
-        let share = left[i].abs() / size;
-        // A NaN is worse than anything.
-        if share <= out.worst.0 {
+        let share = left.abs() / size;
+        if !exceeds(share, out.worst.0) {
             continue;
         }
-        if !(share <= 1e-4) && is_at_jump(subject, at(points, i), at(&sampled.gradient, i), size) {
+        if exceeds(share, 1e-4) && is_at_jump(subject, at(points, i), at(&sampled.gradient, i), size) {
             out.left_out += 1;
         } else {
             out.worst = (if share.is_nan() { f64::INFINITY } else { share }, at(points, i));
@@ -126,7 +125,7 @@ pub fn steepest_pair(subject: &Subject, points: &Points, distances: &[f64]) -> (
         let there = subject.distances(&ends);
         for i in 0..there.len() {
             let (a, b) = (at(points, i), at(&ends, i));
-            if !is_everywhere && !(holds(&extent, a) && holds(&extent, b)) {
+            if !(is_everywhere || holds(&extent, a) && holds(&extent, b)) {
                 continue;
             }
             let change = (distances[i] - there[i]).abs();
@@ -134,7 +133,7 @@ pub fn steepest_pair(subject: &Subject, points: &Points, distances: &[f64]) -> (
             let lost = 4.0 * f64::EPSILON * (distances[i].abs() + length(a) * 4.0);
             let slope = (change - lost).max(0.0) / length(along(a, b, -1.0));
             steepest = steepest.max(slope);
-            violations += usize::from(!(slope <= fact.slope * (1.0 + 1e-9) + 1e-10));
+            violations += usize::from(exceeds(slope, fact.slope * (1.0 + 1e-9) + 1e-10));
         }
     }
     (steepest, violations)
@@ -159,7 +158,7 @@ pub fn filled(subject: &Subject, points: &Points, distances: &[f64]) -> Filled {
     let axes = subject.kind.axes();
     let from_far = columns((0..axes * 600).map(|i| {
         let mut p = along(center, random.direction(axes), size * random.within(0.0, 0.6));
-        p[i % axes] = center[i % axes] + size * if i / axes % 2 == 0 { 9.0 } else { -9.0 };
+        p[i % axes] = center[i % axes] + size * if (i / axes).is_multiple_of(2) { 9.0 } else { -9.0 };
         p
     }));
     let inside = (0..distances.len()).filter(|i| distances[*i] <= 0.0).map(|i| at(points, i));

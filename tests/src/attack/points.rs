@@ -29,19 +29,19 @@ impl Random {
     }
 
     /// The next, in 0..1.
-    pub fn next(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(1);
         random(self.0)
     }
 
     /// The next, from `lo` to `hi`.
     pub fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.next()
+        lo + (hi - lo) * self.unit()
     }
 
     /// One of so many.
     pub fn below(&mut self, n: usize) -> usize {
-        ((self.next() * n as f64) as usize).min(n.saturating_sub(1))
+        ((self.unit() * n as f64) as usize).min(n.saturating_sub(1))
     }
 
     /// A vector of length 1; in the plane where there are two axes.
@@ -59,6 +59,11 @@ impl Random {
 /// The Euclidean length.
 pub fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Whether a number is above a limit, or no number at all.
+pub fn exceeds(x: f64, limit: f64) -> bool {
+    x.is_nan() || x > limit
 }
 
 /// `a + b * t`

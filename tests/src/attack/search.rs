@@ -1,7 +1,7 @@
 //! How far away a solid is by its definition alone: boxes are searched, the nearest first, and those dropped in which
 //! intervals prove that there is nothing.
 
-use super::points::{along, length};
+use super::points::{along, exceeds, length};
 use sdf_ir::interval::{Bounds, Domain, Interval, Sloped, Walker, bounds_of_globals, bounds_of_uniform};
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Builder, Constant, Function, Node, Program, Value, rebuild};
@@ -283,7 +283,7 @@ fn weights(chosen: &[&Condition], to: [f64; 3]) -> Option<[f64; 3]> {
         rows[i][3] = -dot(chosen[i].middle, to);
     }
     for i in 0..n {
-        if !(rows[i][i] > 1e-12 * dot(chosen[i].middle, chosen[i].middle)) {
+        if !exceeds(rows[i][i], 1e-12 * dot(chosen[i].middle, chosen[i].middle)) {
             return None;
         }
         for j in i + 1..n {

@@ -34,7 +34,7 @@ pub fn page() -> String {
          What the doc comments of [`std/`](../crates/sdf-lang/std) say; a test keeps this page and its pictures as they are there.\n\
          `sdfc doc NAME` prints an entry at the terminal. A parameter without a type is a float; `= v` is what it is if nothing\n\
          is given. Sizes are half-extents or radii and outer sizes; angles are in radians, and `45deg` is written for them.\n\n\
-         [![The shapes of the library on one floor](gallery.png)](gallery.sdf)\n\n",
+         [![The shapes of the library on one floor](../examples/gallery.png)](../examples/gallery.sdf)\n\n",
     );
     for section in &sections {
         let links: Vec<String> =

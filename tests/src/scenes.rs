@@ -20,8 +20,25 @@ pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples")
 }
 
-/// All examples, by name.
+/// The example that shows all shapes at once. SwiftShader takes over 400 s for its shader, so it is no example for every
+/// client.
+pub const GALLERY: &str = "gallery";
+
+/// The examples, by name, but the gallery.
 pub fn examples() -> Vec<Example> {
+    let mut all = all_examples();
+    all.retain(|example| example.name != GALLERY);
+    all
+}
+
+/// The gallery.
+pub fn gallery() -> Example {
+    let gallery = all_examples().into_iter().find(|example| example.name == GALLERY);
+    gallery.unwrap_or_else(|| panic!("examples/{GALLERY}.sdf is missing"))
+}
+
+/// All examples, by name.
+pub fn all_examples() -> Vec<Example> {
     let files = std::fs::read_dir(folder()).expect("the folder of the examples");
     let mut paths: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "sdf"));

@@ -7,7 +7,7 @@ use sdf_tests::canvas::Canvas;
 use sdf_tests::chromium::Browser;
 use sdf_tests::drawing::{SIZE, TIMES, Verdict, buffers, frames, on_cpu, on_device, shader};
 use sdf_tests::run::lavapipe;
-use sdf_tests::scenes::{Buffers, Example, examples};
+use sdf_tests::scenes::{Buffers, Example, examples, gallery};
 use sdf_tests::table::Table;
 use sdf_tests::{glslang, pages, shadertoy, swiftshader};
 use sdfc::{Language, Shader, Target};
@@ -68,10 +68,7 @@ impl Case {
         });
         // Both languages on one driver are compared with each other, too.
         let between = self.drawn("lavapipe GLSL and WGSL", &mesa[1], &mesa[0].pictures).complaint;
-        let mut cells = vec![
-            accepted("naga", Target::ALL.iter().find_map(|t| shader.text(*t).err()).map(|d| d.message)),
-            accepted("glslang", self.glslang()),
-        ];
+        let mut cells = self.accepted();
         let names = [
             "lavapipe, WGSL",
             "lavapipe, GLSL",
@@ -86,6 +83,12 @@ impl Case {
         cells.extend(names.iter().zip(verdicts).map(|(name, v)| self.drawn(name, v, &self.expected)));
         cells[2].complaint = cells[2].complaint.take().or(between);
         cells
+    }
+
+    /// What compilers of texts make of it.
+    fn accepted(&self) -> Vec<Cell> {
+        let refused = Target::ALL.iter().find_map(|target| self.shader.text(*target).err());
+        vec![accepted("naga", refused.map(|d| d.message)), accepted("glslang", self.glslang())]
     }
 
     /// What the reference compiler has against the text for WebGL2 and that for Shadertoy.
@@ -140,6 +143,20 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     if let Some(stale) = table.check("clients.md") {
         panic!("{stale}");
     }
+}
+
+/// The gallery is too large for SwiftShader, and with it for Chromium here: lavapipe draws it, and all compilers of texts
+/// take it.
+#[test]
+fn the_gallery_is_drawn_alike() {
+    let case = Case::of(gallery());
+    let accepted = case.accepted();
+    let verdicts =
+        [Language::Wgsl, Language::Glsl].map(|it| on_device(&case.shader, &case.frames, "llvmpipe", it));
+    let drawn = verdicts.iter().map(|verdict| case.drawn("lavapipe", verdict, &case.expected));
+    let complaints: Vec<String> =
+        accepted.into_iter().chain(drawn).filter_map(|cell| cell.complaint).collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
 /// The table without its rows.

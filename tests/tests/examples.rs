@@ -5,7 +5,7 @@ use sdf_lang::Options;
 use sdf_render::Picture;
 use sdf_tests::agreement::{TOLERANCE, compare};
 use sdf_tests::drawing::{SIZE, buffers, frame_at, on_cpu, shader};
-use sdf_tests::scenes::{Buffers, examples, folder, scene};
+use sdf_tests::scenes::{Buffers, all_examples, examples, folder, scene};
 
 /// An example and its picture by the interpreter, with its buffers.
 fn one() -> (Picture, Buffers) {
@@ -65,7 +65,7 @@ fn a_probe_is_not_in_the_text() {
 #[test]
 fn every_example_has_its_picture_and_its_place() {
     let page = std::fs::read_to_string(folder().join("README.md")).expect("the page of the examples");
-    for example in examples() {
+    for example in all_examples() {
         for file in [format!("{}.sdf", example.name), format!("{}.png", example.name)] {
             assert!(folder().join(&file).is_file(), "examples/{file} is missing");
             assert!(page.contains(&format!("({file})")), "examples/README.md does not show {file}");

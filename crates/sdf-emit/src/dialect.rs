@@ -25,8 +25,8 @@ pub(crate) struct Dialect {
     pub structure: (&'static str, &'static str),
     /// The head of a loop of `count` rounds.
     pub counted: fn(counter: &str, count: u32) -> String,
-    /// `c ? a : b`, of which both languages may compute both.
-    pub select: fn(c: &Expression, a: &Expression, b: &Expression) -> Expression,
+    /// `a` of a type if `c` holds, else `b`; both languages may compute both.
+    pub select: fn(ty: Type, c: &Expression, a: &Expression, b: &Expression) -> Expression,
     /// The bit-level helpers' texts.
     pub bits: &'static crate::bits::Texts,
 }
@@ -58,9 +58,20 @@ pub(crate) static GLSL: Dialect = Dialect {
     function: |name, parameters, result| format!("{} {name}({parameters})", result.unwrap_or("void")),
     structure: (";", "};"),
     counted: |i, count| format!("for (int {i} = ZERO; {i} < {count}; {i}++)"),
-    select: |c, a, b| Expression {
-        text: format!("{} ? {} : {}", c.at_least(Level::Or), a.at_least(Level::Or), b.at_least(Level::Or)),
-        level: Level::Conditional,
+    // `c ? a : b` is a branch for some compilers, and many branches take SwiftShader, Chromium's driver where there is no
+    // graphics device, minutes or more.
+    select: |ty, c, a, b| {
+        let every = |vector: &str| Expression::call(vector, std::slice::from_ref(c));
+        let which = match ty {
+            Type::Bool => {
+                let [c, a, b] = [c, a, b].map(|x| x.at_least(Level::Or));
+                return Expression { text: format!("{c} ? {a} : {b}"), level: Level::Conditional };
+            }
+            Type::Float => c.clone(),
+            Type::Vec2 => every("bvec2"),
+            Type::Vec3 => every("bvec3"),
+        };
+        Expression::call("mix", &[b.clone(), a.clone(), which])
     },
     bits: &crate::bits::GLSL,
 };
@@ -83,6 +94,6 @@ pub(crate) static WGSL: Dialect = Dialect {
     },
     structure: (",", "}"),
     counted: |i, count| format!("for (var {i} = 0; {i} < {count}; {i}++)"),
-    select: |c, a, b| Expression::call("select", &[b.clone(), a.clone(), c.clone()]),
+    select: |_, c, a, b| Expression::call("select", &[b.clone(), a.clone(), c.clone()]),
     bits: &crate::bits::WGSL,
 };

@@ -472,9 +472,10 @@ impl<'a> Printer<'a> {
     }
 
     fn ternary(&self, op: Ternary, a: Value, b: Value, c: Value) -> Result<Expression, EmitError> {
+        let ty = self.function.type_of(b).unwrap_or(Type::Float);
         let [a, b, c] = [self.use_of(a)?, self.use_of(b)?, self.use_of(c)?];
         Ok(match op {
-            Ternary::Select => (self.context.dialect.select)(&a, &b, &c),
+            Ternary::Select => (self.context.dialect.select)(ty, &a, &b, &c),
             Ternary::Mix => Expression::call("mix", &[a, b, c]),
         })
     }

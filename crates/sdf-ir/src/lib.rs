@@ -17,6 +17,7 @@ pub mod gradient;
 pub mod hash;
 pub mod interval;
 pub mod number;
+mod parity;
 pub mod program;
 
 #[cfg(test)]
@@ -32,6 +33,7 @@ pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;
 pub use gradient::{Gradients, gradient};
+pub use parity::is_even;
 pub use program::{
     Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Rotation,
     Ternary, Type, Unary, Uniform, Value,

@@ -75,8 +75,11 @@ impl Operation<'_, '_> {
         match op {
             // length' == (Σ aᵢ·a'ᵢ) / r, which is 0 at 0
             Unary::Length => {
+                // The square of what is shorter than this is lost, and with it the length.
                 let total = self.weighted(b, a, a);
-                vec![divided(b, &total, self.result)]
+                let shortest = b.float(1e-20);
+                let length = b.binary(Binary::Max, self.result, shortest);
+                vec![divided(b, &total, length)]
             }
             Unary::Normalize => self.normalize(b, a),
             // An angle and its rest move together; the quarter turns that are taken off jump.

@@ -283,6 +283,12 @@ static FUNCTIONS: &[BuiltIn] = &[
     function("slope", &[("f", SlotKind::Any)], |e, a, span| e.slope_value(a, span)),
     function("most", &[("x", FLOAT)], |e, a, span| e.most_of(a, span)),
     function("any_cell", &[("first", VEC3), ("last", VEC3)], |e, a, span| e.any_cell(a, span)),
+    function("is_even", &[("s", SHAPE), ("axis", VEC3), ("middle", FLOAT)], |e, a, span| {
+        e.is_even_about(a, span)
+    }),
+    function("is_even", &[("s", SHAPE2), ("axis", VEC3), ("middle", FLOAT)], |e, a, span| {
+        e.is_even_about(a, span)
+    }),
     with_default("turned", &[("s", SHAPE), ("axis", VEC3), ("angle", FLOAT)], |e, a, span| {
         e.turned_box(a, span)
     }),

@@ -114,6 +114,10 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
             ("turned", "The box of a shape turned by an angle, or by any, as a record `(lo, hi)`."),
             ("reflected", "The box of the mirror image of a shape, as a record `(lo, hi)`."),
             (
+                "is_even",
+                "Whether a shape is certainly the same on both sides of the plane across a coordinate axis at a place.",
+            ),
+            (
                 "any_cell",
                 "A vector that may be any from `first` to `last`, as the cell of a repetition is, to ask about.",
             ),
@@ -156,6 +160,30 @@ const ATTRIBUTES: &[(&str, &str)] = &[
     ("requires", "Demands something of arguments, as in `@requires(r > 0, \"r must be above 0\")`."),
 ];
 
+const RESERVED: &[(&str, &str, &str)] = &[
+    ("import", "import \"file.sdf\"", "Brings the functions, values, params and materials of another file."),
+    ("param", "param NAME = value in low..high", "A number that changes from outside: a slider, or `--set`."),
+    ("let", "let NAME = value", "A name for a value, of the file or, with a `;` after it, of a block."),
+    ("fn", "fn NAME(a, b: shape, c = 1) = value", "A function; its body is an expression or a block."),
+    ("if", "if condition { a } else { b }", "One of two values."),
+    (
+        "else",
+        "if condition { a } else { b }",
+        "The value if the condition does not hold; it is never left out.",
+    ),
+    ("for", "for i in 0..8 { value }", "A list: a value for each item of another list."),
+    ("in", "for i in list { value }", "What a `for` goes through, or the range of a param."),
+    ("true", "true", "That something holds."),
+    ("false", "false", "That something does not hold."),
+    ("field", "field { distance }", "A shape, by the distance from a point `p` of space to it."),
+    (
+        "field2",
+        "field2 { distance }",
+        "A shape of the plane, by the distance from a point `p` of the plane to it.",
+    ),
+    ("scene", "scene { shape, shape }", "What is drawn: the union of its shapes."),
+];
+
 const BLOCKS: &[(&str, &str)] = &[
     ("camera", "Where the picture is taken from."),
     ("light", "A light, by its direction or its position; it has a name: `light sun { … }`."),
@@ -193,8 +221,11 @@ pub fn glossary() -> Vec<Group> {
         word(row, format!("{} {{ {} }}", row.0, fields.join(", ")))
     };
     let blocks = BLOCKS.iter().map(block).collect();
+    let reserved =
+        RESERVED.iter().map(|(name, form, summary)| word(&(name, summary), form.to_string())).collect();
     functions
         .chain([
+            Group { title: "Words", entries: reserved },
             Group { title: "Constants and inputs", entries: constants },
             Group { title: "Attributes", entries: attributes },
             Group { title: "Blocks of settings", entries: blocks },
@@ -237,6 +268,8 @@ mod tests {
         compare(FUNCTIONS.iter().flat_map(|(_, rows)| of(rows)).collect(), words.built_in);
         compare(of(CONSTANTS), words.constants);
         compare(of(ATTRIBUTES), words.attributes);
+        let reserved = RESERVED.iter().map(|(name, ..)| *name).collect();
+        compare(reserved, sdf_syntax::token::RESERVED.iter().copied().chain(["scene"]).collect());
         compare(of(BLOCKS), words.blocks.iter().map(|(block, _)| *block).collect());
         for entry in glossary().iter().flat_map(|group| &group.entries) {
             assert!(!entry.forms.is_empty(), "{}", entry.name);

@@ -36,15 +36,16 @@ fn repetitions(facts: &[Fact]) -> String {
 
 /// Copies of width w with the period P can be nearest only among the ceil(w/P) + 1 nearest ones.
 fn reason(copies: &Copies) -> String {
-    let Copies { direction, asked, of, width, period } = copies;
+    let Copies { direction, asked, of, width, period, mirrored } = copies;
     let (size, step) = match direction.starts_with("around") {
         true => (format!("{}°", short(width.to_degrees())), format!("{}°", short(period.to_degrees()))),
         false => (short(*width), short(*period)),
     };
     let of = if of.is_finite() { format!(" of {}", short(*of)) } else { String::new() };
-    let proof = match asked < &copies.of {
-        true => format!("ceil({size} / {step}) + 1"),
-        false => "all".to_string(),
+    let proof = match (mirrored, asked < &copies.of) {
+        (true, _) => "its own mirror image".to_string(),
+        (false, true) => format!("ceil({size} / {step}) + 1"),
+        (false, false) => "all".to_string(),
     };
     format!("{asked}{of} {direction}, {proof}: the shape is {size} wide and the period {step}")
 }
@@ -122,6 +123,7 @@ mod tests {
             of,
             width,
             period,
+            mirrored: false,
         };
         assert_eq!(
             reason(&copies("along x", 2.0, f64::INFINITY, 0.46, 1.3)),

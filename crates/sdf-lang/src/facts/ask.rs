@@ -153,6 +153,20 @@ impl<'t> Elaborator<'t> {
         Ok(Value::Number(self.contexts.apply(Op::Compose, &parts)))
     }
 
+    /// `is_even(s, axis, middle)`: whether a field is certainly the same on both sides of the plane across a coordinate
+    /// axis at `middle`.
+    pub fn is_even_about(&mut self, arguments: &[Option<Value<'t>>], span: Span) -> Eval<Value<'t>> {
+        let shape = shape_argument(arguments);
+        let axis = self.widen(&number(arguments, 1), Type::Vec3, span)?;
+        let axis = unit(&axis).and_then(|axis| axis.iter().position(|x| *x == 1.0));
+        let middle = number(arguments, 2).known().map(|c| c.components()[0]);
+        let is_even = match axis.zip(middle) {
+            Some((axis, middle)) => self.is_even(&shape, axis, middle)?,
+            None => false,
+        };
+        Ok(Value::Number(Number::constant(Constant::Bool(is_even))))
+    }
+
     /// `turned(s, axis, angle)`: the box round a shape that is turned; without an angle, by any.
     pub fn turned_box(&mut self, arguments: &[Option<Value<'t>>], _span: Span) -> Eval<Value<'t>> {
         let shape = shape_argument(arguments);

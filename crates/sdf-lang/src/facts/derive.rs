@@ -28,6 +28,8 @@ const WITHIN: usize = 600;
 const WORK: u64 = 1_000_000;
 /// How often it may ask at least.
 const LEAST: u64 = 8;
+/// How often a search for a box may ask at least that begins with all of space: with less it finds none of any use.
+const LEAST_OF_ALL: u64 = 1000;
 /// Of a formula that takes more operations no box is sought, which takes a thousand answers.
 const LARGEST_SEARCHED: u64 = 5_000;
 /// The steepest slope that is of any use.
@@ -51,9 +53,10 @@ pub(crate) struct Formula {
 }
 
 impl Formula {
-    /// How often a search may ask that would ask `most` times of a short formula.
-    fn budget(&self, most: usize) -> usize {
-        most.min((WORK / self.operations.max(1)).max(LEAST) as usize)
+    /// How often a search may ask for slopes that would ask `most` times of a short formula: they take several times as
+    /// long as values.
+    fn budget_of_slopes(&self, most: usize) -> usize {
+        most.min((WORK / 5 / self.operations.max(1)).max(LEAST) as usize)
     }
 }
 
@@ -148,7 +151,7 @@ impl<'t> Elaborator<'t> {
         let mut walk = Walk::new(&formula, &self.contexts.program, &uniforms, &globals);
         let all = flat(Extent::ALL, shape.dimension);
         let mut places = 1.0f64;
-        let slope = steepest(formula.ty.size(), &all, formula.budget(EVERYWHERE), |cell| {
+        let slope = steepest(formula.ty.size(), &all, formula.budget_of_slopes(EVERYWHERE), |cell| {
             let (slope, place) = walk.gain(cell);
             places = places.max(place);
             Steepness { at_most: slope, at_least: 0.0 }
@@ -193,9 +196,10 @@ impl<'t> Elaborator<'t> {
                 let least = distance.lo.max(sample.least(at)).min(distance.hi);
                 *argument = Bounds::float(Interval::new(least, distance.hi));
             }
-            inner.run(&arguments)[0].number().lo.max(whole.run(&[point])[0].number().lo)
+            let by_samples = inner.run(&arguments)[0].number().lo;
+            if by_samples > level { by_samples } else { by_samples.max(whole.run(&[point])[0].number().lo) }
         };
-        let may_hold = |cell: &Extent| {
+        let mut may_hold = |cell: &Extent| {
             if least(cell) > level {
                 return false;
             }
@@ -206,7 +210,14 @@ impl<'t> Elaborator<'t> {
             let (middle, radius) = cell.middle();
             least(&middle) - everywhere * radius <= level
         };
-        Ok(flat(fill(formula.ty.size(), &all, formula.budget(FILL), may_hold), shape.dimension))
+        let sampled = formula.samples.iter().fold(Extent::NONE, |all, sample| all.union(&sample.extent));
+        let axes = formula.ty.size();
+        let (within, least) = match room_round(&sampled, axes, &mut may_hold) {
+            Some(room) => (flat(room, shape.dimension), LEAST),
+            None => (all, LEAST_OF_ALL),
+        };
+        let budget = FILL.min((WORK / formula.operations.max(1)).max(least) as usize);
+        Ok(flat(fill(axes, &within, budget, may_hold), shape.dimension))
     }
 
     /// The slope over all of space, found without the box.
@@ -221,12 +232,13 @@ impl<'t> Elaborator<'t> {
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
         let mut walk = Walk::new(formula, program, &uniforms, &globals);
-        let mut slope = |cell: &Extent| walk.slope(cell);
         let ask = |cell: &Extent| {
-            let center = cell.center();
-            Steepness { at_most: slope(cell), at_least: slope(&Extent { lo: center, hi: center }) }
+            // No more is known of the shapes inside than what is stated of them: it is of no use to look further. A
+            // single point would count as a constant.
+            let at_least = walk.slope_as_stated(&middle_part(cell));
+            Steepness { at_most: walk.slope(cell), at_least }
         };
-        let found = steepest(formula.ty.size(), region, formula.budget(budget), ask);
+        let found = steepest(formula.ty.size(), region, formula.budget_of_slopes(budget), ask);
         if found <= 1.0 + ROUNDING { found.min(1.0) } else { found }
     }
 
@@ -315,6 +327,22 @@ impl<'t> Elaborator<'t> {
         Ok(Some(Formula { ty, whole, outer, inner, samples, operations }))
     }
 
+    /// Whether a field is the same on both sides of the plane across an axis at `middle`, as far as its operations show.
+    pub fn is_even(&mut self, shape: &Rc<Shape<'t>>, axis: usize, middle: f64) -> Eval<bool> {
+        if depends_on_a_point_inside(shape) {
+            return Ok(false);
+        }
+        let ty = if shape.dimension == Dimension::Three { Type::Vec3 } else { Type::Vec2 };
+        let samples = self.samples.take();
+        let made = self.apart(ty, |this, point| {
+            let distance = this.plain_distance(shape, point, shape.place)?;
+            Ok((vec![this.contexts.value(&distance)], ()))
+        });
+        self.samples = samples;
+        Ok(made?
+            .is_some_and(|(function, ())| sdf_ir::is_even(&self.contexts.program, &function, axis, middle)))
+    }
+
     /// A function of a point, apart from the program; nothing if it needs what an open function computes.
     fn apart<T>(
         &mut self,
@@ -379,6 +407,21 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// The slope in a cell if the shapes that are sampled were as steep in it as is stated of them.
+    fn slope_as_stated(&mut self, cell: &Extent) -> f64 {
+        let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
+        let mut arguments = self.outer.run(&[point]).to_vec();
+        let points = arguments.split_off(self.formula.inner.parameters.len());
+        for (sample, at) in self.formula.samples.iter().zip(&points) {
+            let stated = sample.slope_at(&at.bounds) * at.norm();
+            if stated.is_finite() {
+                let argument = &mut arguments[sample.argument];
+                *argument = Sloped::within(argument.bounds, stated);
+            }
+        }
+        useful(self.inner.run(&arguments)[0].norm())
+    }
+
     /// A bound on the slope in a cell: the better one of that of the formula, with what is known of the shapes that
     /// it samples, and that of all its arithmetic.
     fn slope(&mut self, cell: &Extent) -> f64 {
@@ -408,6 +451,33 @@ impl<'a> Walk<'a> {
         }
         let places = points.iter().map(Sloped::norm).fold(1.0, f64::max);
         (useful(self.inner.run(&arguments)[0].norm()), useful(places))
+    }
+}
+
+/// A box outside of which there is nothing, where one is found at once: that of the shapes inside, with some room round
+/// it. Most fields are near the shapes that they sample.
+fn room_round(inside: &Extent, axes: usize, may_hold: &mut impl FnMut(&Extent) -> bool) -> Option<Extent> {
+    if inside.is_empty() || !inside.is_bounded() {
+        return None;
+    }
+    let size = inside.size().into_iter().fold(0.0, f64::max).max(1e-6);
+    let mut is_clear = |room: &Extent| {
+        (0..axes).all(|axis| {
+            let (mut below, mut above) = (Extent::ALL, Extent::ALL);
+            (below.hi[axis], above.lo[axis]) = (room.lo[axis], room.hi[axis]);
+            !may_hold(&below) && !may_hold(&above)
+        })
+    };
+    [0.05, 0.5, 4.0].into_iter().map(|share| inside.grown(size * share)).find(|room| is_clear(room))
+}
+
+/// A small part of a cell round its middle.
+fn middle_part(cell: &Extent) -> Extent {
+    let (center, size) = (cell.center(), cell.size());
+    let reach = |i: usize| if size[i].is_finite() { size[i] * 1e-3 } else { 1e-3 };
+    Extent {
+        lo: std::array::from_fn(|i| center[i] - reach(i)),
+        hi: std::array::from_fn(|i| center[i] + reach(i)),
     }
 }
 

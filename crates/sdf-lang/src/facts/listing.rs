@@ -6,7 +6,7 @@ use crate::facts::shapes_in;
 use crate::value::{Module, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::cost;
 use sdf_ir::region::Extent;
-use sdf_ir::{Node, Type};
+use sdf_ir::{Constant, Node, Type};
 use sdf_syntax::Span;
 use sdf_syntax::tree::Dimension;
 use std::collections::{BTreeSet, HashSet};
@@ -59,6 +59,8 @@ pub struct Copies {
     pub width: f64,
     /// The period, or the least that it may be.
     pub period: f64,
+    /// Whether the shape is the same on both sides of its middle, so that one is enough.
+    pub mirrored: bool,
 }
 
 /// What a field says of the distance.
@@ -163,7 +165,8 @@ impl<'t> Elaborator<'t> {
             };
             if of > 1.0 {
                 let of = if of < crate::NOTHING { of } else { f64::INFINITY };
-                out.push(Copies { direction: name.replace('_', " "), asked, of, width, period });
+                let mirrored = matches!(record.get("mirrored"), Some(Value::Number(n)) if n.known() == Some(Constant::Bool(true)));
+                out.push(Copies { direction: name.replace('_', " "), asked, of, width, period, mirrored });
             }
         }
         out.sort_by(|a, b| a.direction.cmp(&b.direction));

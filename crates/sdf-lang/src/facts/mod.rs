@@ -99,6 +99,8 @@ pub(crate) struct Stated<'t> {
     pub contract: &'t Contract<'t>,
     pub env: Env<'t>,
     pub module: Module,
+    /// The shapes that the field is made from.
+    shapes: Vec<Rc<Shape<'t>>>,
 }
 
 impl<'t> Elaborator<'t> {
@@ -114,17 +116,24 @@ impl<'t> Elaborator<'t> {
         match &shape.kind {
             ShapeKind::Named { thunk: Thunk::Let(binding), .. } => {
                 let (module, contract) = names.contract_of_let(binding)?;
-                Some(Stated { contract, env: Env::new(module), module })
+                Some(Stated { contract, env: Env::new(module), module, shapes: Vec::new() })
             }
             ShapeKind::Named { thunk: Thunk::Call { function, module, arguments }, .. } => {
                 let contract = names.contract_of(function, *module)?;
                 let env = Env::new(*module);
                 let env = arguments.iter().fold(env, |env, (name, v)| env.bind(name.clone(), v.clone()));
-                Some(Stated { contract, env, module: *module })
+                let shapes = shapes_in(&env);
+                Some(Stated { contract, env, module: *module, shapes })
             }
             ShapeKind::Field { block, env, origin: Some(origin) } => {
                 let contract = self.contract_of_field(*origin, block)?;
-                Some(Stated { contract, env: env.clone(), module: origin.module })
+                // It sees the parameters, and not what the body names besides.
+                let parameters = origin.function.parameters.iter().map(|p| &p.name.text);
+                let seen = parameters.fold(Env::new(origin.module), |seen, name| match env.get(name) {
+                    Some(value) => seen.bind(name.clone(), value.clone()),
+                    None => seen,
+                });
+                Some(Stated { contract, env: seen, module: origin.module, shapes: shapes_in(env) })
             }
             _ => None,
         }
@@ -164,7 +173,7 @@ impl<'t> Elaborator<'t> {
     /// The slope that a contract states; nothing if it says nothing of slopes.
     fn stated_slope(&mut self, shape: &Rc<Shape<'t>>, stated: &Stated<'t>) -> Eval<Option<Slope>> {
         if let Some((quality, _)) = stated.contract.quality {
-            let worst = self.steepest_of(quality, &shapes_in(&stated.env))?;
+            let worst = self.steepest_of(quality, &stated.shapes)?;
             if worst.everywhere.is_finite() && !worst.has_better_region() {
                 return Ok(Some(worst));
             }

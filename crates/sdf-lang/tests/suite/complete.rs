@@ -125,8 +125,8 @@ fn every_built_in_function_has_a_row() {
 }
 
 /// Built-in functions of what is proved about shapes, which have suites of their own.
-const OF_SHAPES: [&str; 9] =
-    ["lo", "hi", "reach", "slope", "most", "any_cell", "turned", "mirrored", "reflected"];
+const OF_SHAPES: [&str; 10] =
+    ["lo", "hi", "reach", "slope", "most", "any_cell", "is_even", "turned", "mirrored", "reflected"];
 
 #[test]
 fn every_constant_has_a_row() {

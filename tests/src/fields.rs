@@ -136,7 +136,7 @@ pub struct Spread {
     pub wrong: Vec<String>,
 }
 
-/// How far results may change within the root of a unit for this to count as a crease.
+/// How far gradients may change within the root of a unit for this to count as a crease.
 const TIE: f64 = 2e-3;
 
 /// Compares results at points. `beside` computes the results in `f64` at other points.
@@ -163,10 +163,13 @@ pub fn spread(
         spread.unequal += usize::from(e != f);
         let units = difference / unit;
         if units > allowed {
-            // The lesser of two distances that touch to first order is either over a width of the unit's square root.
-            let near = [unit, unit.sqrt()].into_iter();
-            let change = near.map(|reach| change_beside(&point, reach, &beside)).fold(0.0, f64::max);
-            if difference <= change.min(TIE) + allowed * unit {
+            let near = change_beside(&point, unit, &beside);
+            // Of two distances that touch, the lesser is either over a width of the unit's square root. They agree
+            // there, but their gradients do not.
+            let touching = change_beside(&point, unit.sqrt(), &beside).min(TIE);
+            let of_distance = (e[0] - f[0]).abs() / unit <= allowed;
+            let change = if of_distance { near.max(touching) } else { near };
+            if difference <= change + allowed * unit {
                 spread.steep += 1;
             } else {
                 spread.wrong.push(format!("{point:?}: {e:?} and {f:?}, {units:.1} units apart"));

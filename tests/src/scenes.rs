@@ -20,8 +20,8 @@ pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples")
 }
 
-/// The example that shows all shapes at once. SwiftShader takes over 400 s for its shader, so it is no example for every
-/// client.
+/// The example that shows all shapes at once. Clients without a graphics device take minutes for it, so it is no example
+/// for all of them.
 pub const GALLERY: &str = "gallery";
 
 /// The examples, by name, but the gallery.

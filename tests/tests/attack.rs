@@ -22,7 +22,7 @@ use std::fmt::Write;
 /// At how many points an example is tried, and a call like it.
 const POINTS: [usize; 2] = [100_000, 25_000];
 /// For how many points the distance is searched for: of an example, and of a call like it.
-const SEARCHES: [usize; 2] = [100, 20];
+const SEARCHES: [usize; 2] = [200, 20];
 /// How far a projected point may lie from the surface, as a share of the size.
 const PROJECTED: f64 = 1e-4;
 /// The largest share of points beside which the gradient jumps.

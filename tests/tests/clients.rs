@@ -145,8 +145,7 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     }
 }
 
-/// The gallery is too large for SwiftShader, and with it for Chromium here: lavapipe draws it, and all compilers of texts
-/// take it.
+/// The gallery is large: one driver draws it, and all compilers of texts take it.
 #[test]
 fn the_gallery_is_drawn_alike() {
     let case = Case::of(gallery());

@@ -1,6 +1,6 @@
 //! The library's page and its pictures are what the doc comments say. `UPDATE_FIXTURES=1 cargo test` makes them anew.
 
-use sdf_lang::{Entry, Options, compile, reference};
+use sdf_lang::{Entry, reference};
 use sdf_render::Picture;
 use sdf_tests::library::calls;
 use sdf_tests::reference::{page, page_path, picture, picture_path, picture_scene};

@@ -40,12 +40,17 @@ fn false_promises_are_caught_with_a_point() {
             "@bounds(-(r, thickness / 3",
             "(",
         ),
-        ("@lipschitz(sqrt(2) * max", "@lipschitz(1.1 * max", "@lipschitz(1.1", " and ("),
+        (
+            "@lipschitz(sqrt(2) * max(slope(a), slope(b)))",
+            "@lipschitz(0.9)",
+            "@lipschitz(0.9)",
+            "the slope of this field is",
+        ),
         (
             "slope(s) * shear(rate * (length(p.xz) + abs(d)))",
             "slope(s) * 1.2",
             "@lipschitz(slope(s) * 1.2",
-            " and (",
+            "the slope of this field is",
         ),
     ];
     for (part, other, promise, point) in cases {

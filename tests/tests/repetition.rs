@@ -127,6 +127,10 @@ fn cases() -> Vec<Case> {
         in_rows(WIDE, [0.8, 1.9, 0.3], Some([3, 2, 4])),
         in_rows(ENDS, [1.0, 0.0, 0.0], Some([1, 0, 0])),
         in_rows(ODD, [1.3, 0.0, 0.0], Some([0, 0, 0])),
+        // Shapes that are their own mirror images, of which each point asks one copy along some axes.
+        in_rows("sphere(0.3).at(0.2, 0.7, -0.1)", [0.6, 0.0, 1.3], None),
+        in_rows("(cylinder(0.2, 0.5).round(0.03) | box((0.1, 0.7, 0.1)))", [1.1, 1.9, 0.46], None),
+        in_rows("box((0.3, 0.2, 0.4)).rotate_y(0.3).at(0.1, 0.4, 0)", [1.1, 0.4, 1.3], Some([2, 1, 2])),
         in_plane(flat_copies(1.3, 1.1)),
         in_plane(flat_copies(0.4, 0.9)),
         in_cells(
@@ -169,10 +173,10 @@ fn points(case: &Case) -> Vec<Vec<f32>> {
     let axes: Vec<usize> = (0..3).filter(|axis| case.periods[*axis] > 0.0).collect();
     for i in 0..if axes.is_empty() { 0 } else { BORDERS } {
         let on = axes[i % axes.len()];
-        for axis in 0..3 {
+        for (axis, column) in points.iter_mut().enumerate() {
             let x = anywhere(POINTS + i, axis);
             let half = case.periods[axis] / 2.0;
-            points[axis].push(match axis == on {
+            column.push(match axis == on {
                 true => beside((f64::from(x) / half).round() * half, i),
                 false => x,
             });
@@ -258,6 +262,23 @@ fn one_copy_fewer_is_not_enough() {
         let asked: Vec<f64> = scene.facts.iter().flat_map(|f| &f.copies).map(|c| c.asked).collect();
         assert_eq!(asked, [f64::from(needed)], "with the period {period}");
     }
+}
+
+/// A shape that is its own mirror image needs one copy, as long as it fits into its cell.
+#[test]
+fn mirror_images_need_one_copy() {
+    let asked = |shape: &str| -> Vec<f64> {
+        let options = sdf_lang::Options { facts: true, ..Default::default() };
+        let scene = sdf_tests::scenes::scene(shape, &format!("scene {{ {shape} }}"), &options);
+        scene.facts.iter().flat_map(|fact| &fact.copies).map(|copies| copies.asked).collect()
+    };
+    assert_eq!(asked("sphere(0.3).at(0.2, 0.7, -0.1).repeat(x: 0.6, z: 0.59)"), [1.0, 3.0]);
+    assert_eq!(
+        asked("smin(box(0.4).at(1, 0, 0), sphere(0.5).at(1, 0, 0.1), k: 0.1).repeat(x: 2, z: 2)"),
+        [1.0, 2.0]
+    );
+    assert_eq!(asked("box(0.4).rotate_y(0.1).repeat(x: 3, y: 3)"), [2.0, 1.0]);
+    assert_eq!(asked("torus(0.5, 0.1).twist(1).repeat(x: 3)"), [2.0]);
 }
 
 /// The copy of the own cell alone, as shaders often have it, is wrong off the centre.

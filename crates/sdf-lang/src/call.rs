@@ -272,8 +272,17 @@ impl<'t> Elaborator<'t> {
         match candidate {
             Candidate::BuiltIn(b) => (b.run)(self, &fit.arguments, span),
             Candidate::Written(function, module) => {
-                let arguments = self.complete(function, module, fit.arguments, span)?;
-                self.call_written(function, module, arguments, span)
+                let called = self.called;
+                if !crate::library::is_ours(span.file) {
+                    // Its arguments have been evaluated: what happens from now on comes from the whole call.
+                    self.place = span;
+                    self.called = Some(&function.name.text);
+                }
+                let value = self
+                    .complete(function, module, fit.arguments, span)
+                    .and_then(|arguments| self.call_written(function, module, arguments, span));
+                self.called = called;
+                value
             }
         }
     }
@@ -330,10 +339,6 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<Value<'t>> {
         let place = std::ptr::from_ref(function).cast::<()>();
-        if !crate::library::is_ours(span.file) {
-            // Its arguments have been evaluated: what happens from now on comes from the whole call.
-            self.place = span;
-        }
         if !module.is_user() {
             // The library's are called with new arguments each time, but for what is asked of a function.
             if !asks_of_functions(&arguments) {

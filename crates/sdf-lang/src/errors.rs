@@ -229,7 +229,7 @@ pub(crate) fn too_long(span: Span, what: &str, limit: u64) -> Diagnostic {
 pub(crate) fn too_large(span: Span, what: &str, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E045, span, format!("the scene needs more than {limit} {what}"))
         .label("reached the limit here")
-        .help("use `repeat` for copies, or fewer shapes")
+        .help("use `repeat` for copies, with a period not far below their width, or fewer shapes")
 }
 
 /// A shape that is small as it is shared, and too large as it is written out.
@@ -320,6 +320,18 @@ pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl In
     Diagnostic::new(Code::E065, span, message).help(help)
 }
 
+/// Whether a diagnostic is about values of the wrong type.
+pub(crate) fn is_of_types(code: Code) -> bool {
+    matches!(code, Code::E030 | Code::E031 | Code::E032 | Code::E033 | Code::E034 | Code::E051)
+}
+
+/// Arguments that fit a function of the library, and with which something inside of it does not work.
+pub(crate) fn wrong_inside(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::E032, span, format!("`{name}` does not take these arguments"))
+        .label("one of them, or what it gives, is not what is needed")
+        .help(format!("`sdfc doc {name}` says what each of them must be"))
+}
+
 /// What the author of a function or value requires does not hold.
 pub(crate) fn requirement(span: Span, message: &str, stated: Span) -> Diagnostic {
     required_by(Diagnostic::new(Code::E043, span, message).label("refused here"), stated)
@@ -355,13 +367,16 @@ pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
     let point = |p: &[f64; 3]| format!("({}, {}, {})", short(p[0]), short(p[1]), short(p[2]));
     let (message, help) = match broken {
         Broken::Slope { a, b, slope, promised } => (
-            format!(
-                "the slope of this field is {} between {} and {}, not at most {}",
-                short(*slope),
-                point(a),
-                point(b),
-                short(*promised)
-            ),
+            // Points that are as near as to read alike are one place.
+            match point(a) == point(b) {
+                true => format!("the slope of this field is {} at {}", short(*slope), point(a)),
+                false => format!(
+                    "the slope of this field is {} between {} and {}",
+                    short(*slope),
+                    point(a),
+                    point(b)
+                ),
+            } + &format!(", not at most {}", short(*promised)),
             if *slope > JUMP * promised.max(1.0) {
                 "it seems to jump there, and no slope is enough for that: write it without the jump"
                     .to_string()

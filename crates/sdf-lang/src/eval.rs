@@ -95,6 +95,8 @@ pub(crate) struct Elaborator<'t> {
     pub framed: Option<f64>,
     /// What of the user's files is being evaluated.
     pub place: Span,
+    /// The function that the user's files have called, and that is being carried out.
+    pub called: Option<&'t str>,
     /// What was proved of shapes so far.
     pub facts: crate::facts::Facts<'t>,
     /// Whether the limit on work was reached.
@@ -134,6 +136,7 @@ impl<'t> Elaborator<'t> {
             place: Span::default(),
             framed: None,
             facts: crate::facts::Facts::new(),
+            called: None,
             exhausted: false,
         }
     }
@@ -141,8 +144,10 @@ impl<'t> Elaborator<'t> {
     pub fn report<T>(&mut self, mut diagnostic: Diagnostic) -> Eval<T> {
         if crate::library::is_ours(diagnostic.span.file) {
             // What is wrong inside the library was caused by what the user's file asked of it.
-            diagnostic.span = self.place;
-            diagnostic.related.clear();
+            diagnostic = match self.called {
+                Some(name) if errors::is_of_types(diagnostic.code) => errors::wrong_inside(self.place, name),
+                _ => Diagnostic { span: self.place, related: Vec::new(), ..diagnostic },
+            };
         }
         self.diagnostics.push(diagnostic);
         Err(Reported)

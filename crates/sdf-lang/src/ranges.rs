@@ -1,4 +1,4 @@
-//! What numbers may be, and whether params can make them something else: by trying values of the params. What is
+//! What numbers may be, and whether params or the time can make them something else: by trying values of them. What is
 //! found that way is certain, for a value that does it is named; what is not found is not proved absent.
 
 use crate::errors;
@@ -86,7 +86,9 @@ fn params_of(function: &Function, uniforms: &[Uniform], value: sdf_ir::Value) ->
             continue;
         }
         match function.node(value) {
-            Node::Uniform(index) if matches!(uniforms[usize::from(index)].role, Role::Param { .. }) => {
+            Node::Uniform(index)
+                if matches!(uniforms[usize::from(index)].role, Role::Param { .. } | Role::Time) =>
+            {
                 params.insert(usize::from(index));
             }
             Node::Call(..) | Node::If(..) | Node::Loop(_) | Node::Result(..) | Node::Argument(..) => {
@@ -129,11 +131,16 @@ fn trials(uniforms: &[Uniform], params: &[usize]) -> Vec<Vec<Constant>> {
         });
         rows.extend(one_by_one);
     }
-    if let [param] = params
-        && let Role::Param { range: Some((low, high)), .. } = uniforms[*param].role
-    {
-        let at = |i| low + (high - low) * f64::from(i) / f64::from(STEPS);
-        rows.extend((1..STEPS).map(|i| vec![Constant::Float(at(i))]));
+    if let [param] = params {
+        let at = |low: f64, high: f64, i| {
+            vec![Constant::Float(low + (high - low) * f64::from(i) / f64::from(STEPS))]
+        };
+        match uniforms[*param].role {
+            Role::Param { range: Some((low, high)), .. } => rows.extend((1..STEPS).map(|i| at(low, high, i))),
+            // What moves does so within some seconds.
+            Role::Time => rows.extend((1..10 * STEPS).map(|i| at(0.0, 1.0, i))),
+            _ => {}
+        }
     }
     rows
 }
@@ -145,6 +152,7 @@ fn ends(uniform: &Uniform) -> Vec<Constant> {
         (Role::Param { range: Some((low, high)), .. }, _) => {
             out.extend([Constant::Float(low), Constant::Float(high)]);
         }
+        (Role::Time, _) => out.push(Constant::Float(10.0)),
         (_, Type::Bool) => out.extend([Constant::Bool(false), Constant::Bool(true)]),
         _ => out.extend([Constant::Vec3([0.0; 3]), Constant::Vec3([1.0; 3])]),
     }

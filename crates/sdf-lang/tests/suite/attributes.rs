@@ -1,6 +1,7 @@
 //! Attributes: what they require is checked where they are called, and none is passed over.
 
 use crate::scene::findings;
+use sdf_lang::Options;
 
 /// Checks the findings about some items, with a scene of its own where they have none.
 fn check(items: &str, expected: &[&str]) {
@@ -136,4 +137,23 @@ fn attributes_that_mean_nothing_are_mistakes() {
     check("@requires(\"text\", r > 0) fn f(r) = r", &[wrong]);
     check("@requires(quantity > 0, \"text\") fn f(r) = r", &["E020: nothing is called `quantity`; "]);
     check("@requires(r, \"text\") fn f(r) = r let a = f(1)", &["E030: this is a float, not a bool; "]);
+}
+
+/// A contract sees the parameters; what the body names besides does not hide anything from it.
+#[test]
+fn names_of_the_body_are_not_those_of_the_contract() {
+    let text = "
+        @exact
+        @bounds(lo(s) - r, hi(s) + r)
+        fn grown(s: shape, r) {
+            let lo = 7;
+            let hi = lo;
+            field { s(p) - r * (hi / lo) }
+        }
+        scene { grown(box(1), 0.5) }";
+    let options = Options { facts: true, ..Options::default() };
+    let compilation = sdf_lang::compile("names", text, &options);
+    let scene = compilation.scene.unwrap_or_else(|| panic!("{:#?}", compilation.diagnostics));
+    let grown = scene.facts.iter().find(|fact| fact.name == "grown").expect("its row");
+    assert_eq!((grown.extent.lo, grown.extent.hi), ([-1.5; 3], [1.5; 3]));
 }

@@ -20,9 +20,9 @@ fn differing(a: &Picture, b: &Picture) -> usize {
 
 const SCENES: [&str; 5] = [
     "scene { sphere(1) }",
-    "camera { eye: (0, 0.4, 40), target: (0, 0.4, 0), fov: 5deg } scene { sphere(1), plane().at(0, -1, 0) }",
+    "camera { eye: (0, 9, 40), target: (0, 0, 0), fov: 8deg } scene { sphere(1), plane().at(0, -1, 0) }",
     "camera { eye: (3, 2, 4) } scene { box(0.6).twist(2).at(1, 0, 0), torus(1, 0.2).at(-1, 0.4, 0), plane().at(0, -1, 0) }",
-    "camera { eye: (3, 2, 4) } scene { sphere(0.3).repeat(x: 1, z: 1.2), plane().at(0, -0.3, 0) }",
+    "camera { eye: (3, 2, 4) } scene { sphere(0.3).repeat(x: 1, z: 1.2, count: 3), plane().at(0, -0.3, 0) }",
     "camera { eye: (0.2, 0.1, 0.3), target: (1, 0.2, 0.5) } scene { box(2) - sphere(1.8) }",
 ];
 

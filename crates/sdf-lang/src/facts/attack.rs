@@ -5,7 +5,7 @@ use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::listing::parts;
-use crate::value::Shape;
+use crate::value::{Shape, ShapeKind};
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::region::Extent;
 use sdf_ir::{Constant, Program, Role, Type, Uniform};
@@ -47,6 +47,10 @@ impl<'t> Elaborator<'t> {
         let mut result = Ok(());
         while let Some(shape) = waiting.pop() {
             if !seen.insert(Rc::as_ptr(&shape).cast::<()>()) {
+                continue;
+            }
+            if let ShapeKind::Painted { shape: inner, .. } = &shape.kind {
+                waiting.push(inner.clone());
                 continue;
             }
             waiting.extend(parts(&shape));

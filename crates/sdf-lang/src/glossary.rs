@@ -156,7 +156,10 @@ const ATTRIBUTES: &[(&str, &str)] = &[
     ("exact", "Promises that a field is the distance itself, everywhere outside."),
     ("bound", "Promises that a field is nowhere steeper than the distance, and so never more than it."),
     ("lipschitz", "Promises how steep a field is at most, as in `@lipschitz(2)`."),
-    ("bounds", "Promises a box in which the shape lies, as in `@bounds((-1, -1, -1), (1, 1, 1))`."),
+    (
+        "bounds",
+        "Promises a box in which the shape lies, as in `@bounds((-1, -1, -1), (1, 1, 1))`; with `level` in it, a box of the points where the field is at most that.",
+    ),
     ("requires", "Demands something of arguments, as in `@requires(r > 0, \"r must be above 0\")`."),
 ];
 

@@ -276,13 +276,6 @@ impl<'t> Names<'t> {
         if matches!(name, "p" | "n") {
             return errors::no_point(span, name);
         }
-        if UNBUILT.contains(&name) {
-            return errors::not_built_yet(
-                span,
-                &format!("`{name}`"),
-                "it is part of the language; use another for now",
-            );
-        }
         let files = self.imports(module).map(|(_, items)| items).chain(self.file(module));
         let mut all: Vec<&str> = files.flat_map(|items| items.values.keys()).map(|k| &**k).collect();
         all.extend(locals.iter().map(|l| &**l));
@@ -306,13 +299,6 @@ impl<'t> Names<'t> {
 
     /// What is said of a function that is not there.
     pub fn unknown_function(&self, name: &str, span: Span, module: Module) -> Diagnostic {
-        if UNBUILT.contains(&name) {
-            return errors::not_built_yet(
-                span,
-                &format!("`{name}`"),
-                "it is part of the language; use another for now",
-            );
-        }
         let mut all: Vec<&str> = self.function_names(module).collect();
         all.sort_unstable();
         self.unknown_name(name, span, all)
@@ -428,9 +414,6 @@ fn collect<'t>(file: &'t File, diagnostics: &mut Vec<Diagnostic>) -> Items<'t> {
     }
     items
 }
-
-/// The names of the language's library that are not there yet.
-const UNBUILT: &[&str] = &["mandelbulb"];
 
 fn add_value<'t>(
     items: &mut Items<'t>,

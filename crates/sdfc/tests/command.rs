@@ -396,9 +396,9 @@ fn stages_are_printed() {
 
 #[test]
 fn the_stages_before_a_mistake_are_printed() {
-    let folder = Folder::new(&[("scene.sdf", b"scene { sphear(1) }")]);
+    let folder = Folder::new(&[("scene.sdf", b"scene { spheer(1) }")]);
     let run = folder.run("scene.sdf --emit ast,ir -o a.wgsl");
-    assert_eq!((run.code, run.text()), (Some(1), "(scene (of sphear (call 1)))\n"));
+    assert_eq!((run.code, run.text()), (Some(1), "(scene (of spheer (call 1)))\n"));
     assert!(run.err.contains("did you mean `sphere`?"), "{}", run.err);
     assert_eq!(folder.names(), ["scene.sdf"]);
 }
@@ -476,12 +476,12 @@ fn a_device_that_is_not_there_is_an_error() {
 fn scenes_are_checked_together() {
     let folder = Folder::new(&[
         ("good.sdf", b"scene { sphere(1) }"),
-        ("bad.sdf", b"scene { sphear(1), cube(1) }"),
+        ("bad.sdf", b"scene { spheer(1), cube(1) }"),
         ("param.sdf", b"param spin = 1 in 0..4 scene { sphere(spin) }"),
     ]);
     let good = folder.run("check good.sdf");
     assert_eq!((good.code, good.err.as_str()), (Some(0), "1 scene checked: nothing is wrong\n"));
-    folder.run("check good.sdf bad.sdf").fails(1, &["sphear", "cube", "2 scenes checked: 2 errors"]);
+    folder.run("check good.sdf bad.sdf").fails(1, &["spheer", "cube", "2 scenes checked: 2 errors"]);
     folder.run("check bad.sdf none.sdf good.sdf").fails(2, &["3 scenes checked: 2 errors, 1 file not read"]);
     folder.run("check param.sdf bad.sdf --set spin=9").fails(2, &["2 scenes checked: "]);
 }
@@ -499,7 +499,7 @@ fn timings_go_to_standard_error() {
 
 #[test]
 fn messages_are_coloured_as_asked() {
-    let folder = Folder::new(&[("bad.sdf", b"scene { sphear(1) }")]);
+    let folder = Folder::new(&[("bad.sdf", b"scene { spheer(1) }")]);
     assert!(folder.run("check bad.sdf --color always").err.contains("\x1b["));
     assert!(folder.run("--color always check bad.sdf").err.contains("\x1b["));
     assert!(!folder.run("check bad.sdf --color never").err.contains("\x1b["));
@@ -547,8 +547,8 @@ fn a_file_is_replaced_only_by_a_whole_one() {
     let folder = Folder::with_scene();
     folder.run("scene.sdf -o a.wgsl").succeeds();
     let before = folder.read("a.wgsl");
-    fs::write(folder.path("scene.sdf"), "scene { sphear(1) }").unwrap();
-    folder.run("scene.sdf -o a.wgsl").fails(1, &["sphear"]);
+    fs::write(folder.path("scene.sdf"), "scene { spheer(1) }").unwrap();
+    folder.run("scene.sdf -o a.wgsl").fails(1, &["spheer"]);
     assert_eq!(folder.read("a.wgsl"), before);
     assert!(Path::new(&folder.path("a.wgsl")).exists());
     assert_eq!(folder.names(), ["a.wgsl", "scene.sdf"]);

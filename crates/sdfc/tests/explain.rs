@@ -84,7 +84,7 @@ fn explanations_are_printed() {
         assert!(out.starts_with(&format!("{code}: {}\n\n", code.title())) && !out.contains("```"), "{out}");
     }
     let (_, upper, _) = explain(&["E020"]);
-    assert!(upper.contains("\n    scene { sphear(1) }\n"), "{upper}");
+    assert!(upper.contains("\n    scene { spheer(1) }\n"), "{upper}");
     assert_eq!(explain(&["e020"]), (Some(0), upper.clone(), String::new()));
     let (_, several, _) = explain(&["E020", "w001"]);
     assert!(several.starts_with(&upper) && several.contains("\nW001: "), "{several}");

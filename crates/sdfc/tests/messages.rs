@@ -105,11 +105,11 @@ fn every_fixture_reads_the_same_in_each_format() {
 
 #[test]
 fn columns_count_characters_and_bytes_are_bytes() {
-    let text = "// größe\nscene { /* é */ sphear(1) }\n";
+    let text = "// größe\nscene { /* é */ spheer(1) }\n";
     let folder = folder(text);
     let run = run(folder.path(), &["--message-format=json", "scene.sdf", "-o", "a.wgsl"]);
     let [message] = &messages(&run)[..] else { panic!("{}", run.err) };
-    assert_eq!(place(&message["span"], text), ("scene.sdf".into(), 2, 17, "sphear"));
+    assert_eq!(place(&message["span"], text), ("scene.sdf".into(), 2, 17, "spheer"));
     assert_eq!((run.code, message["code"].as_str()), (Some(1), Some("E020")));
     assert_eq!(message["help"], "did you mean `sphere`?");
 }
@@ -175,7 +175,7 @@ fn warnings_can_be_denied() {
 #[test]
 fn the_exit_status_tells_what_is_wrong() {
     let folder = folder("scene { sphere(1) }");
-    fs::write(folder.path().join("bad.sdf"), "scene { sphear(1) }").unwrap();
+    fs::write(folder.path().join("bad.sdf"), "scene { spheer(1) }").unwrap();
     let rows: [(i32, &[&str]); 6] = [
         (0, &["scene.sdf", "-o", "a.wgsl"]),
         (1, &["bad.sdf", "-o", "b.wgsl"]),

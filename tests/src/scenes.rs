@@ -20,8 +20,8 @@ pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples")
 }
 
-/// The example that shows all shapes at once. Clients without a graphics device take minutes for it, so it is no example
-/// for all of them.
+/// The example that shows all shapes at once. Every client draws it once; tests that draw or ask again and again leave it
+/// out, for its shapes are tried one by one.
 pub const GALLERY: &str = "gallery";
 
 /// The examples, by name, but the gallery.

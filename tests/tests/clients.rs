@@ -7,7 +7,7 @@ use sdf_tests::canvas::Canvas;
 use sdf_tests::chromium::Browser;
 use sdf_tests::drawing::{SIZE, TIMES, Verdict, buffers, frames, on_cpu, on_device, shader};
 use sdf_tests::run::lavapipe;
-use sdf_tests::scenes::{Buffers, Example, examples, gallery};
+use sdf_tests::scenes::{Buffers, Example, all_examples};
 use sdf_tests::table::Table;
 use sdf_tests::{glslang, pages, shadertoy, swiftshader};
 use sdfc::{Language, Shader, Target};
@@ -128,7 +128,7 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     let browser = Browser::start();
     let canvas = Canvas::new(&browser);
     let (mut table, mut complaints) = (about(&browser), String::new());
-    for example in examples() {
+    for example in all_examples() {
         let case = Case::of(example);
         let cells = case.cells(&browser, &canvas);
         let heads = ["example"].into_iter().chain(cells.iter().map(|cell| cell.client));
@@ -143,19 +143,6 @@ fn every_client_takes_every_example_and_draws_it_alike() {
     if let Some(stale) = table.check("clients.md") {
         panic!("{stale}");
     }
-}
-
-/// The gallery is large: one driver draws it, and all compilers of texts take it.
-#[test]
-fn the_gallery_is_drawn_alike() {
-    let case = Case::of(gallery());
-    let accepted = case.accepted();
-    let verdicts =
-        [Language::Wgsl, Language::Glsl].map(|it| on_device(&case.shader, &case.frames, "llvmpipe", it));
-    let drawn = verdicts.iter().map(|verdict| case.drawn("lavapipe", verdict, &case.expected));
-    let complaints: Vec<String> =
-        accepted.into_iter().chain(drawn).filter_map(|cell| cell.complaint).collect();
-    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
 /// The table without its rows.
@@ -188,7 +175,7 @@ fn about(browser: &Browser) -> Table {
 fn a_client_that_refuses_or_draws_something_else_is_seen() {
     let browser = Browser::start();
     let canvas = Canvas::new(&browser);
-    let example = examples().into_iter().find(|e| e.name == "smallest").expect("the example `smallest`");
+    let example = all_examples().into_iter().find(|e| e.name == "smallest").expect("the example `smallest`");
     let case = Case::of(example);
     let texts = [Target::Shadertoy, Target::GlslEs, Target::Wgsl].map(|target| case.text(target));
     let draw = |[shadertoy, glsl, wgsl]: [String; 3]| {

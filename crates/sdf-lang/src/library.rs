@@ -20,6 +20,7 @@ const STD: &[(&str, &str)] = &[
     ("<std/curves.sdf>", include_str!("../std/curves.sdf")),
     ("<std/fractals.sdf>", include_str!("../std/fractals.sdf")),
     ("<std/plane.sdf>", include_str!("../std/plane.sdf")),
+    ("<std/between.sdf>", include_str!("../std/between.sdf")),
     ("<std/combine.sdf>", include_str!("../std/combine.sdf")),
     ("<std/operate.sdf>", include_str!("../std/operate.sdf")),
     ("<std/bend.sdf>", include_str!("../std/bend.sdf")),

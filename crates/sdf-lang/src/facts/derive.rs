@@ -407,35 +407,33 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The slope in a cell if the shapes that are sampled were as steep in it as is stated of them.
-    fn slope_as_stated(&mut self, cell: &Extent) -> f64 {
-        let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
+    /// How steep the formula is if each sample is as steep as `choose` says, which is told what is stated of the sample
+    /// and what its own arithmetic says.
+    fn composed(&mut self, point: Sloped, choose: impl Fn(f64, f64) -> f64) -> f64 {
         let mut arguments = self.outer.run(&[point]).to_vec();
         let points = arguments.split_off(self.formula.inner.parameters.len());
         for (sample, at) in self.formula.samples.iter().zip(&points) {
-            let stated = sample.slope_at(&at.bounds) * at.norm();
-            if stated.is_finite() {
-                let argument = &mut arguments[sample.argument];
-                *argument = Sloped::within(argument.bounds, stated);
+            let argument = &mut arguments[sample.argument];
+            let (stated, computed) = (sample.slope_at(&at.bounds) * at.norm(), argument.norm());
+            let chosen = choose(stated, computed);
+            if chosen != computed {
+                *argument = Sloped::within(argument.bounds, chosen);
             }
         }
-        useful(self.inner.run(&arguments)[0].norm())
+        self.inner.run(&arguments)[0].norm()
+    }
+
+    /// The slope in a cell if the shapes that are sampled were as steep in it as is stated of them.
+    fn slope_as_stated(&mut self, cell: &Extent) -> f64 {
+        let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
+        useful(self.composed(point, |stated, computed| if stated.is_finite() { stated } else { computed }))
     }
 
     /// A bound on the slope in a cell: the better one of that of the formula, with what is known of the shapes that
     /// it samples, and that of all its arithmetic.
     fn slope(&mut self, cell: &Extent) -> f64 {
         let point = Sloped::point(bounds_of_cell(cell, self.formula.ty));
-        let mut arguments = self.outer.run(&[point]).to_vec();
-        let points = arguments.split_off(self.formula.inner.parameters.len());
-        for (sample, at) in self.formula.samples.iter().zip(&points) {
-            let stated = sample.slope_at(&at.bounds) * at.norm();
-            let argument = &mut arguments[sample.argument];
-            if stated < argument.norm() {
-                *argument = Sloped::within(argument.bounds, stated);
-            }
-        }
-        let composed = self.inner.run(&arguments)[0].norm();
+        let composed = self.composed(point, f64::min);
         useful(composed.min(self.whole.run(&[point])[0].norm()))
     }
 

@@ -85,6 +85,10 @@ pub struct Seen {
     pub color: [f32; 3],
     /// The light that arrives at it.
     pub light: [f32; 3],
+    /// How many steps the ray took.
+    pub steps: f32,
+    /// Whether they were too few to tell.
+    pub lost: bool,
 }
 
 /// How far apart two depths are at a step, as a share of the nearer one.
@@ -120,12 +124,18 @@ impl Buffers {
         let count = width * height;
         let x: Vec<f32> = (0..count).map(|i| (i % width) as f32 + 0.5).collect();
         let y: Vec<f32> = (0..count).map(|i| (height - 1 - i / width) as f32 + 0.5).collect();
-        let mut outputs = vec![vec![0.0f32; count]; 10];
+        let mut outputs = vec![vec![0.0f32; count]; 12];
         let mut slices: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         run_parallel(&tape, &frame.uniforms(&program), &[&x, &y], &mut slices);
         let three = |first: usize, i: usize| [0, 1, 2].map(|k| outputs[first + k][i]);
-        let seen =
-            |i| Seen { depth: outputs[0][i], normal: three(1, i), color: three(4, i), light: three(7, i) };
+        let seen = |i| Seen {
+            depth: outputs[0][i],
+            normal: three(1, i),
+            color: three(4, i),
+            light: three(7, i),
+            steps: outputs[10][i],
+            lost: outputs[11][i] != 0.0,
+        };
         Buffers { width, pixels: (0..count).map(seen).collect() }
     }
 

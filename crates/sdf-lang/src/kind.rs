@@ -2,6 +2,7 @@
 
 use crate::eval::{Elaborator, Reported};
 use crate::import::Files;
+use crate::library::library;
 use crate::names::Names;
 use crate::value::{Module, Number, Value};
 use sdf_ir::Type;
@@ -38,14 +39,14 @@ pub enum Kind {
 pub fn kind_of(expression: &str) -> Result<Kind, Vec<Diagnostic>> {
     // In parentheses it cannot end before its end.
     let text = format!("fn subject(p: vec3) = ({expression}\n)\n");
-    let sources = crate::library::sources("expression", &text);
+    let sources = library().sources("expression", &text);
     let (tree, diagnostics) = sdf_syntax::parse(crate::USER_FILE, &text);
     crate::on_deep_stack(|| find(&sources, &tree, diagnostics))
 }
 
 fn find(sources: &Sources, tree: &File, mut diagnostics: Vec<Diagnostic>) -> Result<Kind, Vec<Diagnostic>> {
     let files = Files::default();
-    let names = Names::new(tree, &files, &mut diagnostics);
+    let names = Names::new(tree, &files, library(), &mut diagnostics);
     names.check(sources, &mut diagnostics);
     let is_wrong = |found: &[Diagnostic]| found.iter().any(|d| d.severity() == Severity::Error);
     let [function] = names.user.all_functions[..] else { return Err(diagnostics) };

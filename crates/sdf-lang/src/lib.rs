@@ -43,7 +43,7 @@ pub use facts::{Basis, Class, Copies, Fact};
 pub use glossary::{Group, glossary};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
 pub use kind::{Kind, kind_of};
-pub use library::parsed_functions;
+pub use library::{compiler_files, parsed_functions};
 pub use reference::{Entry, Form, Parameter, Section, reference};
 pub use vocabulary::{Vocabulary, vocabulary};
 
@@ -80,8 +80,13 @@ pub struct Options {
     pub probe: bool,
     /// Whether the scene is to have a [`query`](Scene::query).
     pub query: bool,
+    /// Whether the scene is to have what a [`Certificate`] is made from.
+    pub certificate: bool,
     /// How the files that the scene imports are found and read.
     pub imports: Imports,
+    /// Files of the compiler for which others stand in, by their names as in `march.sdf`, with their texts: so a test
+    /// can take a guard out and see what it is for. See [`compiler_files`].
+    pub replaced: Vec<(String, String)>,
 }
 
 /// What came of a file.
@@ -114,10 +119,13 @@ pub struct Scene {
     pub program: Program,
     /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
     pub map: Option<FunctionId>,
-    /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3` of what a pixel shows, if it
-    /// was asked for: the distance from the eye (-1 where there is nothing), the surface's normal and colour, and
-    /// the light that arrives there. The entry does not call it, so no text has it.
+    /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3, steps: float, lost: float` of
+    /// what a pixel shows, if it was asked for: the distance from the eye (-1 where there is nothing), the surface's
+    /// normal and colour, the light that arrives there, how many steps the ray took, and 1 if they were too few. The
+    /// entry does not call it, so no text has it.
     pub probe: Option<FunctionId>,
+    /// What the truth about pictures is found from, if it was asked for. The entry does not call its functions.
+    pub certificate: Option<Certificate>,
     /// What is proved of its shapes, if it was asked for.
     pub facts: Vec<Fact>,
     /// The functions of a point for programs that ask, if they were asked for. The entry does not call them, so no
@@ -140,6 +148,17 @@ pub struct Query {
     pub material: FunctionId,
 }
 
+/// Functions from which the truth about a picture is found, and whether its steps are safe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Certificate {
+    /// `coordinate: vec2 → origin: vec3, direction: vec3, far: float, tolerance: float`: the ray through a pixel, whose
+    /// direction has length 1; how far it goes; and how near to a surface a hit may be, for each unit of length along it.
+    pub ray: FunctionId,
+    /// `p: vec3 → distance: float, stride: float`: the scene's field, and a distance within which it certainly has no
+    /// zero; from inside, both are negative.
+    pub step: FunctionId,
+}
+
 /// What was compiled in.
 #[derive(Debug, Clone, Default)]
 pub struct Summary {
@@ -159,12 +178,13 @@ pub fn material_defaults() -> impl Iterator<Item = (&'static str, Constant)> {
 
 /// Compiles a file. `name` is what messages call it.
 pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
-    let mut sources = library::sources(name, text);
+    let library = library::Library::with(&options.replaced);
+    let mut sources = library.sources(name, text);
     let (tree, mut diagnostics) = sdf_syntax::parse(USER_FILE, text);
     let root_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
     let files = import::load(&tree, &mut sources, &options.imports, &mut diagnostics);
     let text_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);
-    let (scene, found, work) = on_deep_stack(|| scene::elaborate(&sources, &tree, &files, options));
+    let (scene, found, work) = on_deep_stack(|| scene::elaborate(&sources, &tree, &files, library, options));
     diagnostics.extend(found);
     if root_errors {
         // It may be what could not be read.

@@ -37,33 +37,70 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),
     ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
     ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
+    ("<runtime/certificate.sdf>", include_str!("../runtime/certificate.sdf")),
 ];
+
+/// The files that are part of the compiler.
+#[derive(Debug)]
+pub(crate) struct Library {
+    /// The standard library.
+    pub std: Shelf,
+    /// The renderer.
+    pub runtime: Shelf,
+}
+
+impl Library {
+    fn of(std: Vec<(&'static str, &'static str)>, runtime: Vec<(&'static str, &'static str)>) -> Library {
+        let first = 1 + std.len();
+        Library { std: Shelf::of(std, 1), runtime: Shelf::of(runtime, first) }
+    }
+
+    /// The library as it is, but for files that others stand in for: their names, as in `march.sdf`, with their
+    /// texts. It is never dropped.
+    pub fn with(replaced: &[(String, String)]) -> &'static Library {
+        if replaced.is_empty() {
+            return library();
+        }
+        let mut files: Vec<(&'static str, &'static str)> = STD.iter().chain(RUNTIME).copied().collect();
+        for (name, text) in replaced {
+            let file = files.iter_mut().find(|file| short_name(file.0) == name);
+            let file = file.unwrap_or_else(|| panic!("no file of the compiler is called {name}"));
+            file.1 = Box::leak(text.clone().into_boxed_str());
+        }
+        let runtime = files.split_off(STD.len());
+        Box::leak(Box::new(Library::of(files, runtime)))
+    }
+
+    /// The user's file as file 0, and after it the files of the compiler.
+    pub fn sources(&self, name: &str, text: &str) -> Sources {
+        let mut sources = Sources::default();
+        sources.add(name, text);
+        for file in self.std.files.iter().chain(&self.runtime.files) {
+            sources.add(file.name, file.text);
+        }
+        sources
+    }
+}
+
+/// The library as it is.
+pub(crate) fn library() -> &'static Library {
+    static LIBRARY: OnceLock<Library> = OnceLock::new();
+    LIBRARY.get_or_init(|| Library::of(STD.to_vec(), RUNTIME.to_vec()))
+}
 
 /// The standard library.
 pub(crate) fn std() -> &'static Shelf {
-    static SHELF: OnceLock<Shelf> = OnceLock::new();
-    SHELF.get_or_init(|| Shelf::of(STD, 1))
+    &library().std
 }
 
-/// The renderer.
-pub(crate) fn runtime() -> &'static Shelf {
-    static SHELF: OnceLock<Shelf> = OnceLock::new();
-    SHELF.get_or_init(|| Shelf::of(RUNTIME, 1 + STD.len()))
+/// The texts of the compiler's files by their names without folders, such as `march.sdf`.
+pub fn compiler_files() -> impl Iterator<Item = (&'static str, &'static str)> {
+    STD.iter().chain(RUNTIME).map(|(name, text)| (short_name(name), *text))
 }
 
 /// Whether a file is part of the compiler.
 pub(crate) fn is_ours(file: FileId) -> bool {
     (1..=STD.len() + RUNTIME.len()).contains(&usize::from(file.0))
-}
-
-/// The user's file as file 0, and after it the files of the compiler.
-pub(crate) fn sources(name: &str, text: &str) -> Sources {
-    let mut sources = Sources::default();
-    sources.add(name, text);
-    for (name, text) in STD.iter().chain(RUNTIME) {
-        sources.add(*name, *text);
-    }
-    sources
 }
 
 /// How many functions of the standard library were parsed in this process so far.
@@ -107,9 +144,9 @@ struct Piece {
 }
 
 impl Shelf {
-    fn of(texts: &'static [(&'static str, &'static str)], first: usize) -> Shelf {
+    fn of(texts: Vec<(&'static str, &'static str)>, first: usize) -> Shelf {
         let mut shelf = Shelf { files: Vec::new(), items: Vec::new(), by_name: FxHashMap::default() };
-        for (file, (name, text)) in texts.iter().enumerate() {
+        for (file, (name, text)) in texts.into_iter().enumerate() {
             shelf.files.push(LibraryFile { id: FileId((first + file) as u16), name, text });
             for Outlined { range, name, is_documented } in outlined(text) {
                 let functions = shelf.by_name.entry(name).or_default();
@@ -187,9 +224,13 @@ impl Shelf {
 impl LibraryFile {
     /// Its name without the folder, such as `shapes.sdf`.
     pub fn short_name(&self) -> &'static str {
-        let name = self.name.trim_matches(['<', '>']);
-        name.rsplit('/').next().unwrap_or(name)
+        short_name(self.name)
     }
+}
+
+fn short_name(name: &'static str) -> &'static str {
+    let name = name.trim_matches(['<', '>']);
+    name.rsplit('/').next().unwrap_or(name)
 }
 
 /// A function as the lines of its file show it.
@@ -237,7 +278,7 @@ mod tests {
     /// What the lines show is what the parser finds in the whole file, place by place.
     #[test]
     fn pieces_are_the_items_of_the_file() {
-        for shelf in [std(), runtime()] {
+        for shelf in [std(), &library().runtime] {
             for file in shelf.files() {
                 let (whole, diagnostics) = sdf_syntax::parse(file.id, file.text);
                 assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", file.name);
@@ -259,7 +300,7 @@ mod tests {
     /// What is said of a user's items is not asked of these at every start, so it is asked here.
     #[test]
     fn items_are_in_order() {
-        for shelf in [std(), runtime()] {
+        for shelf in [std(), &library().runtime] {
             let mut diagnostics = Vec::new();
             for piece in &shelf.items {
                 Contract::of(&shelf.item(piece).attributes, true, &mut diagnostics);

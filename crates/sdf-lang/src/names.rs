@@ -4,7 +4,7 @@ use crate::builtin;
 use crate::contract::Contract;
 use crate::errors;
 use crate::import::Files;
-use crate::library::{self, Shelf};
+use crate::library::{Library, Shelf};
 use crate::value::{Candidate, Module};
 use sdf_syntax::tree::{Binding, Expr, File, Function, ItemKind, Name, Record, Scene, SettingsKind};
 use sdf_syntax::{Diagnostic, Span, did_you_mean};
@@ -70,6 +70,8 @@ impl Clash {
 
 /// The items of the user's files by name; those of the compiler's own files are on shelves.
 pub(crate) struct Names<'t> {
+    /// The library and the renderer.
+    pub library: &'static Library,
     /// The root file.
     pub user: Items<'t>,
     /// The files that are imported, by their numbers less 1.
@@ -80,7 +82,12 @@ pub(crate) struct Names<'t> {
 
 impl<'t> Names<'t> {
     /// Collects the items of the user's files.
-    pub fn new(root: &'t File, files: &'t Files, diagnostics: &mut Vec<Diagnostic>) -> Names<'t> {
+    pub fn new(
+        root: &'t File,
+        files: &'t Files,
+        library: &'static Library,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Names<'t> {
         let module = |place: &usize| Module::User(*place as u16 + 1);
         let mut user = collect(root, diagnostics);
         user.imports = files.of_root.places.iter().map(module).collect();
@@ -92,7 +99,7 @@ impl<'t> Names<'t> {
             items.incomplete = file.imports.failed;
             imported.push(items);
         }
-        let mut names = Names { user, imported, params: HashMap::new() };
+        let mut names = Names { library, user, imported, params: HashMap::new() };
         names.params = param_names(&names, files);
         names
     }
@@ -146,7 +153,7 @@ impl<'t> Names<'t> {
     fn own_functions(&self, name: &str, module: Module) -> Vec<&'t Function> {
         match module {
             Module::Library => Vec::new(),
-            Module::Runtime => library::runtime().functions(name).collect(),
+            Module::Runtime => self.library.runtime.functions(name).collect(),
             Module::User(_) => {
                 self.file(module).and_then(|items| items.functions.get(name)).cloned().unwrap_or_default()
             }
@@ -168,7 +175,7 @@ impl<'t> Names<'t> {
 
     /// What a function promises and requires, if anything.
     pub fn contract_of(&self, function: &Function, module: Module) -> Option<&Contract<'t>> {
-        match shelf(module) {
+        match self.shelf(module) {
             Some(shelf) => shelf.contract_of(function),
             None => self.file(module)?.contracts.get(&std::ptr::from_ref(function).cast()),
         }
@@ -183,7 +190,7 @@ impl<'t> Names<'t> {
     /// The first sentence of what is said of a function. What a user wrote never reaches an output, so only the
     /// compiler's own files are quoted.
     pub fn summary_of(&self, function: &Function, module: Module) -> Option<Arc<str>> {
-        shelf(module)?.summary_of(function)
+        self.shelf(module)?.summary_of(function)
     }
 
     /// What a name means: what the module itself defines, else what it imports, else what the library has.
@@ -263,12 +270,12 @@ impl<'t> Names<'t> {
                 Meaning::Value(..) | Meaning::Nothing => {}
             }
         }
-        Ok(library_functions(name, module))
+        Ok(self.library_functions(name, module))
     }
 
     /// Whether the library, or the compiler, has a function of this name that every file can use.
     pub fn is_of_library(&self, name: &str) -> bool {
-        library::std().is_public(name) || builtin::all().iter().any(|b| b.name == name)
+        self.library.std.is_public(name) || builtin::all().iter().any(|b| b.name == name)
     }
 
     /// What `name` is said to be where nothing has it.
@@ -304,31 +311,34 @@ impl<'t> Names<'t> {
         self.unknown_name(name, span, all)
     }
 
+    /// The shelf that a module is, unless it is a file of the user's.
+    fn shelf(&self, module: Module) -> Option<&'static Shelf> {
+        match module {
+            Module::Library => Some(&self.library.std),
+            Module::Runtime => Some(&self.library.runtime),
+            Module::User(_) => None,
+        }
+    }
+
+    /// The functions of a name that the library and the compiler have. What the library has for its own use, users'
+    /// files do not see.
+    fn library_functions(&self, name: &str, module: Module) -> Vec<Candidate<'t>> {
+        let std = &self.library.std;
+        let is_seen = !module.is_user() || std.is_public(name);
+        let written = is_seen.then(|| std.functions(name)).into_iter().flatten();
+        let built_in = builtin::all().iter().filter(|b| b.name == name);
+        written
+            .map(|f| Candidate::Written(f, Module::Library))
+            .chain(built_in.map(Candidate::BuiltIn))
+            .collect()
+    }
+
     fn function_names(&self, module: Module) -> impl Iterator<Item = &str> {
         let files = self.imports(module).map(|(_, items)| items).chain(self.file(module));
         let written = files.flat_map(|items| items.functions.keys()).map(|k| &**k);
-        let ours = library::std().public_names().chain(builtin::all().iter().map(|b| b.name));
+        let ours = self.library.std.public_names().chain(builtin::all().iter().map(|b| b.name));
         written.chain(ours.map(|name| -> &str { name }))
     }
-}
-
-/// The shelf that a module is, unless it is a file of the user's.
-fn shelf(module: Module) -> Option<&'static Shelf> {
-    match module {
-        Module::Library => Some(library::std()),
-        Module::Runtime => Some(library::runtime()),
-        Module::User(_) => None,
-    }
-}
-
-/// The functions of a name that the library and the compiler have. What the library has for its own use, users'
-/// files do not see.
-fn library_functions<'t>(name: &str, module: Module) -> Vec<Candidate<'t>> {
-    let std = library::std();
-    let is_seen = !module.is_user() || std.is_public(name);
-    let written = is_seen.then(|| std.functions(name)).into_iter().flatten();
-    let built_in = builtin::all().iter().filter(|b| b.name == name);
-    written.map(|f| Candidate::Written(f, Module::Library)).chain(built_in.map(Candidate::BuiltIn)).collect()
 }
 
 /// The names that the renderer's uniforms and constants have, which no param can have outside its file.

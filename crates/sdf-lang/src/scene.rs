@@ -4,11 +4,11 @@ use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::expansion::{OPERATION_LIMIT, Size};
 use crate::import;
-use crate::library;
+use crate::library::Library;
 use crate::names::Names;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
-use crate::{Fact, Options, Query, Scene, Summary};
+use crate::{Certificate, Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
 use sdf_syntax::tree::{Dimension, File};
@@ -21,10 +21,11 @@ pub(crate) fn elaborate(
     sources: &Sources,
     tree: &File,
     files: &import::Files,
+    library: &'static Library,
     options: &Options,
 ) -> (Option<Scene>, Vec<Diagnostic>, usize) {
     let mut diagnostics = Vec::new();
-    let names = Names::new(tree, files, &mut diagnostics);
+    let names = Names::new(tree, files, library, &mut diagnostics);
     names.check(sources, &mut diagnostics);
     let mut elaborator = Elaborator::new(sources, &names, diagnostics);
     elaborator.overrides = options.set.iter().cloned().collect();
@@ -35,19 +36,19 @@ pub(crate) fn elaborate(
             let mut program = contexts.into_program();
             program.entry = Some(made.pixel);
             let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
-            let roots: Vec<_> = made.map.into_iter().chain(made.probe).chain(asked).collect();
+            let certified = made.certificate.map_or(Vec::new(), |c| vec![c.ray, c.step]);
+            let roots: Vec<_> =
+                made.map.into_iter().chain(made.probe).chain(asked).chain(certified).collect();
             let (program, kept) = sdf_ir::simplify(&program, &roots);
             debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
             let mut kept = kept.into_iter();
-            let map = made.map.and_then(|_| kept.next());
-            let probe = made.probe.and_then(|_| kept.next());
-            let query = match (kept.next(), kept.next(), kept.next()) {
-                (Some(distance), Some(gradient), Some(material)) => {
-                    Some(Query { distance, gradient, material })
-                }
-                _ => None,
-            };
-            Scene { map, probe, query, program, facts: made.facts, summary: made.summary }
+            let mut next = || kept.next().unwrap_or_else(|| unreachable!("a root is kept"));
+            let map = made.map.map(|_| next());
+            let probe = made.probe.map(|_| next());
+            let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
+            let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
+            let (facts, summary) = (made.facts, made.summary);
+            Scene { map, probe, query, certificate, program, facts, summary }
         });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -84,6 +85,7 @@ struct Made {
     probe: Option<FunctionId>,
     facts: Vec<Fact>,
     query: Option<Query>,
+    certificate: Option<Certificate>,
     summary: Summary,
 }
 
@@ -136,6 +138,7 @@ impl<'t> Elaborator<'t> {
         let pixel = self.entry("pixel", COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
         let query = if options.query { Some(self.query(&scene)?) } else { None };
+        let certificate = if options.certificate { Some(self.certificate(&scene)?) } else { None };
         let Value::Shape(map) = map else { unreachable!("a shape was named") };
         let map_id = match &map.kind {
             ShapeKind::Named { inner, .. } => {
@@ -143,7 +146,7 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok(Made { map: map_id, pixel, probe, query, facts, summary })
+        Ok(Made { map: map_id, pixel, probe, query, certificate, facts, summary })
     }
 
     /// Whether the step of a ray is ever shorter than the distance to a shape.
@@ -190,9 +193,16 @@ impl<'t> Elaborator<'t> {
         })
     }
 
+    fn certificate(&mut self, scene: &Value<'t>) -> Eval<Certificate> {
+        Ok(Certificate {
+            ray: self.entry("certificate_ray", COORDINATE, scene)?,
+            step: self.entry("certificate_step", POINT, scene)?,
+        })
+    }
+
     /// A function of one parameter: the renderer's of this name, with the scene filled in.
     fn entry(&mut self, name: &str, (parameter, ty): (&str, Type), scene: &Value<'t>) -> Eval<FunctionId> {
-        let function = library::runtime().functions(name).next();
+        let function = self.names.library.runtime.functions(name).next();
         let function = function.unwrap_or_else(|| unreachable!("the renderer has a function `{name}`"));
         self.contexts.open(&Arc::from(name), None);
         let argument = self.contexts.entry_parameter(parameter, ty);

@@ -7,7 +7,8 @@ use crate::import;
 use crate::library::Library;
 use crate::names::Names;
 use crate::surface::Column;
-use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::view::View;
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
@@ -121,7 +122,8 @@ impl<'t> Elaborator<'t> {
         let thunk = Thunk::Fixed("The distance from a point to the scene.");
         let map = name_shape(Value::Shape(union), &Arc::from("map"), place, thunk);
         let glows = self.glows(&shapes)?;
-        let mut summary = self.summary(&settings, &glows, shapes.len());
+        let mut summary =
+            self.summary(&settings, &glows, shapes.len(), options.view.is_none_or(View::is_lit));
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
@@ -134,8 +136,11 @@ impl<'t> Elaborator<'t> {
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         fields.push((Arc::from("faces"), self.faces()?));
+        if options.view == Some(View::Depth) {
+            fields.push((Arc::from("ball"), self.ball_record()));
+        }
         let scene = Value::record(fields);
-        let pixel = self.entry("pixel", COORDINATE, &scene)?;
+        let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
         let query = if options.query { Some(self.query(&scene)?) } else { None };
         let certificate = if options.certificate { Some(self.certificate(&scene)?) } else { None };
@@ -305,6 +310,15 @@ impl<'t> Elaborator<'t> {
         crate::framing::ball(self, &parts)
     }
 
+    /// [`Elaborator::scene_ball`] as the record that the renderer takes.
+    fn ball_record(&mut self) -> Value<'t> {
+        let (center, radius) = self.scene_ball();
+        Value::record(vec![
+            (Arc::from("center"), Value::Number(Number::constant(Constant::Vec3(center.to_array())))),
+            (Arc::from("radius"), Value::float(radius)),
+        ])
+    }
+
     /// Every `--set` must name a param of the file.
     fn check_overrides(&mut self, options: &Options) {
         for (name, _) in &options.set {
@@ -323,7 +337,14 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    fn summary(&self, settings: &[(Arc<str>, Value<'t>)], glows: &Value<'t>, shapes: usize) -> Summary {
+    /// What is compiled in; `lit` says whether light is.
+    fn summary(
+        &self,
+        settings: &[(Arc<str>, Value<'t>)],
+        glows: &Value<'t>,
+        shapes: usize,
+        lit: bool,
+    ) -> Summary {
         let field = |block: &str, name: &str| -> Option<Value<'t>> {
             let (_, value) = settings.iter().find(|(n, _)| &**n == block)?;
             match value {
@@ -346,17 +367,18 @@ impl<'t> Elaborator<'t> {
         }
         let lights = settings.iter().find(|(n, _)| &**n == "lights").map(|(_, v)| v);
         for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
-            if matches!(lights, Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft))) {
+            if lit && matches!(lights, Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
+            {
                 summary.effects.push(name);
             }
         }
         if known("render", "steep") == Some(Constant::Bool(true)) {
             summary.effects.push("step correction");
         }
-        if known("ambient", "occluded") == Some(Constant::Bool(true)) {
+        if lit && known("ambient", "occluded") == Some(Constant::Bool(true)) {
             summary.effects.push("occlusion");
         }
-        if matches!(glows, Value::List(l) if !l.items.is_empty()) {
+        if lit && matches!(glows, Value::List(l) if !l.items.is_empty()) {
             summary.effects.push("glow");
         }
         summary

@@ -33,6 +33,7 @@ mod scene;
 mod settings;
 mod shape;
 mod signs;
+mod solids;
 mod stride;
 mod surface;
 mod value;

@@ -6,6 +6,7 @@ use crate::expansion::{OPERATION_LIMIT, Size};
 use crate::import;
 use crate::library::Library;
 use crate::names::Names;
+use crate::solids;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
@@ -103,37 +104,31 @@ impl<'t> Elaborator<'t> {
         };
         self.scene_parts = shapes.clone();
         let settings = self.settings(options)?;
-        let painted = shapes.iter().any(|s| s.painted);
-        let steep = shapes.iter().any(|s| s.steep);
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
-        let union = Rc::new(Shape {
-            dimension: Dimension::Three,
-            kind: ShapeKind::Union { shapes: shapes.clone() },
-            painted,
-            steep,
-            place,
-        });
+        let union = solids::union_of(shapes.clone(), place);
         match options.attack.unwrap_or(ATTACK) {
             0 => {}
             points => self.attack(&union, points)?,
         }
         let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
-        let thunk = Thunk::Fixed("The distance from a point to the scene.");
-        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, thunk);
+        let solids = self.solids(&shapes, place)?;
+        let map = solids.map.clone();
         let glows = self.glows(&shapes)?;
-        let mut summary = self.summary(&settings, &glows, shapes.len());
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
+        let camera = settings.iter().find(|(n, _)| &**n == "camera").map(|(_, v)| v.clone());
+        let camera = camera.unwrap_or_else(|| unreachable!("a scene has a camera"));
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
         let empty = self.is_empty(&map)?;
+        fields.push((Arc::from("empty"), Value::bool(empty)));
+        fields.push((Arc::from("glows"), glows.clone()));
+        fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        fields.extend(self.solid_fields(&solids, &camera)?);
+        let mut summary = self.summary(&fields, &glows, shapes.len());
         if empty {
             // Its sky is all that is drawn.
             summary.effects.clear();
         }
-        fields.push((Arc::from("empty"), Value::bool(empty)));
-        fields.push((Arc::from("glows"), glows));
-        fields.push((Arc::from("resolution"), Value::Number(resolution)));
-        fields.push((Arc::from("faces"), self.faces()?));
         let scene = Value::record(fields);
         let pixel = self.entry("pixel", COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
@@ -147,32 +142,6 @@ impl<'t> Elaborator<'t> {
             _ => None,
         };
         Ok(Made { map: map_id, pixel, probe, query, certificate, facts, summary })
-    }
-
-    /// Whether the step of a ray is ever shorter than the distance to a shape.
-    pub fn is_steep(&mut self) -> Eval<bool> {
-        for part in self.scene_parts.clone() {
-            if part.steep && self.slope_of(&part)?.everywhere > 1.0 {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
-    /// axis that it is across, the side that it is on (1 or -1), and where it is in that direction.
-    fn faces(&mut self) -> Eval<Value<'t>> {
-        let all = self.extent_of_all(&self.scene_parts.clone(), 0.0)?;
-        let all = all.grown(crate::facts::room(&all));
-        let sides = (0..3).flat_map(|axis| [(axis, 1.0, all.hi[axis]), (axis, -1.0, -all.lo[axis])]);
-        let faces = sides.filter(|(_, _, at)| at.is_finite()).map(|(axis, side, at)| {
-            Value::record(vec![
-                (Arc::from("axis"), Value::float(axis as f64)),
-                (Arc::from("side"), Value::float(side)),
-                (Arc::from("at"), Value::float(at)),
-            ])
-        });
-        Ok(Value::list(faces.collect()))
     }
 
     /// Whether the distance to a shape is the same everywhere, so that it has no surface.
@@ -350,7 +319,8 @@ impl<'t> Elaborator<'t> {
                 summary.effects.push(name);
             }
         }
-        if known("render", "steep") == Some(Constant::Bool(true)) {
+        let steep = settings.iter().any(|(n, v)| &**n == "steep" && v.is_true());
+        if steep {
             summary.effects.push("step correction");
         }
         if known("ambient", "occluded") == Some(Constant::Bool(true)) {

@@ -430,6 +430,56 @@ fn a_picture_is_drawn_on_the_cpu() {
     assert_eq!(text("Software"), Some(concat!("sdfc ", env!("CARGO_PKG_VERSION"))));
 }
 
+/// Rays that run out of steps are told, with the place that sets them, whatever is drawn; where warnings are denied,
+/// nothing is written.
+#[test]
+fn rays_that_run_out_of_steps_are_told() {
+    let folder = Folder::new(&[
+        ("short.sdf", b"render { steps: 6 }\nscene { box(0.5).twist(2), plane().at(0, -1, 0) }"),
+        ("scene.sdf", SCENE.as_bytes()),
+    ]);
+    for view in ["", "--view steps", "--view depth"] {
+        let call =
+            format!("render short.sdf -o a.png --device cpu --size 32x18 --message-format short {view}");
+        let run = folder.run(&call);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        assert!(run.err.starts_with("short.sdf:1:17: warning[W005]: "), "{}", run.err);
+        assert!(run.err.contains(" of 576 rays ran out of steps (") && run.err.contains("--view steps"));
+    }
+    let call = "render short.sdf -o b.png --device cpu --size 32x18 --deny warnings";
+    folder.run(call).fails(1, &["W005", "there are warnings"]);
+    assert_eq!(folder.names(), ["a.png", "scene.sdf", "short.sdf"]);
+    folder.run("render scene.sdf -o b.png --device cpu --size 32x18").succeeds();
+}
+
+#[test]
+fn views_are_drawn_with_a_legend() {
+    let folder = Folder::with_scene();
+    let legends = [
+        ("depth", "white is near, black is far, dark blue is nothing; the nearest is at "),
+        ("normal", "red, green and blue are x, y and z"),
+        ("steps", "violet is no step"),
+        ("error", "violet is 1/1000 of the tolerance"),
+        ("material", "the surfaces' colours without light"),
+    ];
+    let mut pictures = std::collections::BTreeSet::new();
+    for (view, legend) in legends {
+        let run =
+            folder.run(&format!("render scene.sdf -o {view}.png --device cpu --size 32x18 --view {view}"));
+        assert_eq!((run.code, run.out.as_slice()), (Some(0), &b""[..]));
+        assert!(
+            run.err.starts_with(&format!("note: {legend}")) && run.err.lines().count() == 1,
+            "{}",
+            run.err
+        );
+        let (_, _, rgba, texts) = decode(&folder.read(&format!("{view}.png")));
+        assert!(pictures.insert(rgba), "{view} is another view's picture");
+        assert!(texts.iter().any(|(_, text)| *text == format!("--size 32x18 --time 0 --view {view}")));
+    }
+    refused_call("render scene.sdf -o a.png --view heat", &["heat", "depth, normal, steps, error, material"]);
+    refused_call("scene.sdf -o a.wgsl --view steps", &["--view"]);
+}
+
 #[test]
 fn any_machine_draws_a_picture() {
     let folder = Folder::with_scene();

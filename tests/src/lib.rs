@@ -12,6 +12,7 @@ pub mod numbers;
 pub mod pages;
 pub mod reference;
 pub mod run;
+pub mod safety;
 pub mod scenes;
 pub mod shadertoy;
 pub mod swiftshader;

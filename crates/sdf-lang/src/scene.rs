@@ -116,23 +116,19 @@ impl<'t> Elaborator<'t> {
         let origin = self.find_origin(&settings);
         let query = match origin {
             Some(_) if options.query => {
-                let (scene, _) = self.renderer(&shapes, settings.clone(), place)?;
+                let (scene, _) = self.renderer(&shapes, settings.clone(), None, place)?;
                 Some(self.query(&scene)?)
             }
             _ => None,
         };
-        let ball = match options.view {
-            Some(View::Depth) => Some((Arc::from("ball"), self.ball_from(origin.unwrap_or_default()))),
-            _ => None,
-        };
         self.origin = origin;
-        let (shapes, mut settings) = match origin {
+        let (shapes, settings) = match origin {
             Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
-        settings.extend(ball);
-        let (scene, map) = self.renderer(&shapes, settings, place)?;
-        let summary = self.summary(&scene, count, options.view.is_none_or(View::is_lit));
+        let (scene, map) = self.renderer(&shapes, settings, options.view, place)?;
+        let lit = options.view.is_none_or(View::is_lit);
+        let summary = self.summary(&scene, count, lit);
         let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
         let query = match query {
@@ -155,6 +151,7 @@ impl<'t> Elaborator<'t> {
         &mut self,
         shapes: &[Rc<Shape<'t>>],
         settings: Vec<(Arc<str>, Value<'t>)>,
+        view: Option<View>,
         place: Span,
     ) -> Eval<(Value<'t>, Value<'t>)> {
         let solids = self.solids(shapes, place)?;
@@ -169,6 +166,9 @@ impl<'t> Elaborator<'t> {
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         fields.extend(self.solid_fields(&solids, &camera)?);
+        if view == Some(View::Depth) {
+            fields.push((Arc::from("ball"), self.ball_record()));
+        }
         Ok((Value::record(fields), map))
     }
 
@@ -306,12 +306,12 @@ impl<'t> Elaborator<'t> {
         crate::framing::ball(self, &parts)
     }
 
-    /// [`Elaborator::scene_ball`] as the record that the renderer takes, whose coordinates begin at `origin`.
-    fn ball_from(&mut self, origin: glam::DVec3) -> Value<'t> {
+    /// [`Elaborator::scene_ball`] as the record that the renderer takes.
+    fn ball_record(&mut self) -> Value<'t> {
         let (center, radius) = self.scene_ball();
-        let center = Constant::Vec3((center - origin).to_array());
+        let center = center - self.origin.unwrap_or_default();
         Value::record(vec![
-            (Arc::from("center"), Value::Number(Number::constant(center))),
+            (Arc::from("center"), Value::Number(Number::constant(Constant::Vec3(center.to_array())))),
             (Arc::from("radius"), Value::float(radius)),
         ])
     }
@@ -358,22 +358,23 @@ impl<'t> Elaborator<'t> {
         if setting("relax") == Some(Constant::Bool(true)) && !is_true("hollow") {
             summary.effects.push("relaxation");
         }
+        if is_true("steep") {
+            summary.effects.push("step correction");
+        }
+        if !lit {
+            return summary;
+        }
         for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
-            if lit
-                && matches!(scene.get("lights"), Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
+            if matches!(scene.get("lights"), Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
             {
                 summary.effects.push(name);
             }
         }
-        if is_true("steep") {
-            summary.effects.push("step correction");
-        }
-        if lit
-            && matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true))
+        if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true))
         {
             summary.effects.push("occlusion");
         }
-        if lit && matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
+        if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
             summary.effects.push("glow");
         }
         summary

@@ -48,7 +48,7 @@ fn tallies(points: usize) -> BTreeMap<String, (usize, Tally)> {
         .collect();
     let each = points.div_ceil(sites.len());
     let found: Vec<(String, Tally)> =
-        sites.par_iter().map(|(name, site)| (name.clone(), tried(site, each, &Options::default()))).collect();
+        sites.par_iter().map(|(name, site)| { let t = std::time::Instant::now(); let r = (name.clone(), tried(site, each, &Options::default())); println!("@@ {:.3} {} u{} w{} {}", t.elapsed().as_secs_f64(), name, r.1.undecided.len(), r.1.wrong.len(), site.call); r }).collect();
     let mut tallies = BTreeMap::new();
     for (name, tally) in found {
         let entry: &mut (usize, Tally) = tallies.entry(name).or_default();

@@ -34,7 +34,8 @@ impl Site {
             Kind::Area => format!("({call}).extrude({HEIGHT})"),
             Kind::Number | Kind::Vector => return None,
         };
-        let subject = Subject::new(&call, Kind::Solid).unwrap_or_else(|refusal| panic!("{call}: {refusal:?}"));
+        let subject =
+            Subject::new(&call, Kind::Solid).unwrap_or_else(|refusal| panic!("{call}: {refusal:?}"));
         (!subject.is_nothing).then_some(Site { call, subject })
     }
 

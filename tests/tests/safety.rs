@@ -1,7 +1,7 @@
 //! No step of a ray passes a surface, in the field of any function of the library: what is proved of the ball of 0.99 of
 //! each step, for many random points and many calls of each function.
 //!
-//! `SAFETY=6000 UPDATE_TABLES=1 cargo test --release --workspace --test safety` tries that many points, of more calls, and writes
+//! `SAFETY=4000 UPDATE_TABLES=1 cargo test --workspace --test safety` tries that many points, of more calls, and writes
 //! `tests/tables/safety.md`.
 
 use rayon::prelude::*;

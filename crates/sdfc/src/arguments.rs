@@ -134,6 +134,13 @@ pub struct CheckArguments {
     /// The scenes; `-` reads standard input
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
+    /// Prove by interval arithmetic what each ray meets, and judge what the march finds: for all values of params and
+    /// several times
+    #[arg(long)]
+    pub certify: bool,
+    /// The size of the pictures that are judged, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "64x36", value_parser = size, requires = "certify")]
+    pub size: (u32, u32),
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,

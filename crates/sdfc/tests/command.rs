@@ -536,6 +536,58 @@ fn scenes_are_checked_together() {
     folder.run("check param.sdf bad.sdf --set spin=9").fails(2, &["2 scenes checked: "]);
 }
 
+/// A promise that is false from half a minute on, later than promises are tried.
+const LATE_LIE: &[u8] = b"
+@lipschitz(1) @bounds((-1, -1, -1), (1, 1, 1))
+let ball = field { (length(p) - 1) * if time > 30 { 8 } else { 1 } }
+scene { ball }";
+
+#[test]
+fn certified_scenes_have_a_row_for_each_moment() {
+    let folder = Folder::new(&[
+        ("good.sdf", b"param high = 0.5 in 0..1 scene { plane().at(0, high, 0) } camera { eye: (0, 5, 1) }"),
+        ("late.sdf", LATE_LIE),
+    ]);
+    let good = folder.run("check --certify --size 6x4 good.sdf");
+    assert_eq!((good.code, good.err.as_str()), (Some(0), "1 scene checked: nothing is wrong\n"));
+    let table = String::from_utf8(good.out).unwrap();
+    let rows: Vec<(&str, bool)> = table
+        .lines()
+        .map(|line| (line.split("  ").find(|cell| !cell.is_empty()).unwrap_or(""), line.contains(" 24/24 ")))
+        .collect();
+    let moments = ["as it is", "high = 0", "high = 0.17", "high = 0.83", "high = 1"];
+    assert_eq!(rows[0], ("good.sdf", false), "{table}");
+    assert_eq!(rows[1..], moments.map(|name| (name, true)), "{table}");
+
+    let late = folder.run("check --certify --size 6x4 late.sdf");
+    assert_eq!(late.code, Some(1));
+    for words in
+        ["late.sdf with time = 31: ", " unsafe steps at (0, 0)", "late.sdf with time = 10000: ", "1 error"]
+    {
+        assert!(late.err.contains(words), "{}", late.err);
+    }
+    let table = String::from_utf8(late.out).unwrap();
+    assert!(table.lines().any(|line| line.starts_with("  time = 1000 ")), "{table}");
+}
+
+#[test]
+fn certificates_are_for_programs_too() {
+    let folder = Folder::new(&[("late.sdf", LATE_LIE)]);
+    let run = folder.run("check --certify --size 6x4 late.sdf --message-format json");
+    assert_eq!(run.code, Some(1));
+    let lines: Vec<serde_json::Value> =
+        String::from_utf8(run.out).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 8);
+    for line in &lines {
+        assert_eq!((&line["scene"], &line["pixels"]), (&"late.sdf".into(), &24.into()));
+        let is_late =
+            ["time = 31", "time = 1000", "time = 10000"].contains(&line["moment"].as_str().unwrap());
+        assert_eq!(line["unsafe_steps"]["count"].as_u64().unwrap() > 0, is_late, "{line}");
+        assert_eq!(line["least_free_share"].as_f64().unwrap() < 0.5, is_late, "{line}");
+    }
+    folder.run("check --size 6x4 late.sdf").fails(2, &["--certify"]);
+}
+
 #[test]
 fn timings_go_to_standard_error() {
     let folder = Folder::with_scene();

@@ -8,6 +8,7 @@ pub mod drawing;
 pub mod fields;
 pub mod glslang;
 pub mod library;
+pub mod march;
 pub mod numbers;
 pub mod pages;
 pub mod reference;

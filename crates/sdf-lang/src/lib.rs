@@ -26,6 +26,7 @@ mod lookahead;
 mod memo;
 mod names;
 mod operators;
+mod origin;
 mod outline;
 mod ranges;
 mod reference;

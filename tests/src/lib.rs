@@ -12,6 +12,7 @@ pub mod march;
 pub mod numbers;
 pub mod pages;
 pub mod reference;
+pub mod rewriting;
 pub mod run;
 pub mod scenes;
 pub mod shadertoy;

@@ -5,9 +5,9 @@
 //! beside a twisted column still takes whole steps. Where nothing is steep, a step is the distance itself.
 
 use crate::context::Op;
+use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
-use crate::contract::Quality;
 use crate::facts::{Gain, Stated, corner_number, parts};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
 use sdf_ir::region::Extent;

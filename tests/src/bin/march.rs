@@ -76,7 +76,7 @@ fn measure(
         example.name,
         frame.width,
         frame.height,
-        truth.lost()
+        truth.lost().len()
     );
     println!(
         "{:32} {:>7} {:>7} {:>5} {:>6} {:>9} {:>9}",
@@ -89,11 +89,16 @@ fn measure(
             "{name:32} {:7.2} {:7.2} {:5} {:6} {:9.2e} {:9.2e}",
             rays.steps(),
             rays.evaluations(),
-            rays.lost(),
+            rays.lost().len(),
             errors.wrong,
             errors.rms,
             errors.largest
         );
+        if !rays.lost().is_empty() {
+            let place = |i: &usize| format!("({}, {})", i % frame.width as usize, i / frame.width as usize);
+            let places: Vec<String> = rays.lost().iter().take(4).map(place).collect();
+            println!("    lost, from the top left: {}", places.join(", "));
+        }
     }
     if rounds == 0 {
         return Ok(());

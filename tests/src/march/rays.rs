@@ -14,8 +14,8 @@ const OTHER_SURFACE: f64 = 0.01;
 pub struct Rays {
     /// What each ray meets, row by row from the top.
     pub met: Vec<Met>,
-    /// How often the field was asked for all of them together: at the beginning of each march, once a step, twice after
-    /// the last one, and once to see whether the ray crosses what it has met. Rays to lights do not count.
+    /// How often the march asked the field, for all of them together: at its beginning, once a step and for each step of
+    /// the refinement. The gradient at what was met, and rays to lights, do not count.
     pub evaluations: u64,
 }
 
@@ -81,9 +81,9 @@ impl Rays {
         self.evaluations as f64 / self.met.len() as f64
     }
 
-    /// How many rays ran out of steps.
-    pub fn lost(&self) -> usize {
-        self.met.iter().filter(|ray| ray.lost).count()
+    /// The places of the rays that ran out of steps.
+    pub fn lost(&self) -> Vec<usize> {
+        (0..self.met.len()).filter(|i| self.met[*i].lost).collect()
     }
 
     /// How far these hits are from the true ones.

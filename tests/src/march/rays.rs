@@ -1,13 +1,16 @@
 //! What the rays through the pixels of a picture meet, and what that costs: counted by the interpreter.
 
-use crate::march::Subject;
-use crate::scenes::legalised;
+use crate::march::{Subject, Variant};
+use crate::scenes::{Example, legalised};
 use sdf_ir::eval::{Tape, run_parallel};
 use sdf_ir::number::Number;
 use sdf_render::Frame;
 
 /// Two depths that are farther apart than this, as a share of the true one, are of two surfaces.
 const OTHER_SURFACE: f64 = 0.01;
+/// How far beside a ray what it meets may be, in pixels: twice the usual tolerance, which is that of the middle of the
+/// picture, where the pixels are widest.
+const BESIDE: f64 = 0.2;
 
 /// The rays through the pixels of a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,14 +33,22 @@ pub struct Met {
     pub lost: bool,
 }
 
+/// What the rays through a picture truly meet, and those round them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    through: Rays,
+    /// The rays that pass a fifth of a pixel beside the centres of the pixels, on each of eight sides.
+    beside: Vec<Rays>,
+}
+
 /// How far the hits of a march are from the true ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Errors {
-    /// How many rays there are of which both tell what they meet.
-    pub compared: usize,
-    /// How many of them meet nothing where there is something, or the other way round, or another surface: one that is
-    /// more than a hundredth of the depth away.
+    /// How many rays meet what no ray within a fifth of a pixel of them does: nothing where there is something, or the
+    /// other way round, or another surface, one that is more than a hundredth of the depth away.
     pub wrong: usize,
+    /// How many rays meet what they pass within a fifth of a pixel: at silhouettes.
+    pub beside: usize,
     /// The root of the mean square of the others' errors, as shares of the depths.
     pub rms: f64,
     /// The largest of these errors.
@@ -45,15 +56,17 @@ pub struct Errors {
 }
 
 impl Rays {
-    /// The rays of a subject that was compiled with `depth`, in numbers of the type `N`.
-    pub fn of<N: Number>(subject: &Subject, frame: &Frame) -> Rays {
+    /// The rays of a subject that was compiled with `depth`, in numbers of the type `N`; they pass `beside` the centres of
+    /// the pixels, in pixels.
+    pub fn of<N: Number>(subject: &Subject, frame: &Frame, beside: [f64; 2]) -> Rays {
         let probe = subject.scene.probe.expect("a subject has a probe");
         let program = legalised(&subject.scene.program, probe);
         let tape = Tape::compile_counting(&program, program.entry.expect("the probe"));
         let (width, height) = (frame.width as usize, frame.height as usize);
         let count = width * height;
         let place = |i: usize| [(i % width) as f64 + 0.5, (height - 1 - i / width) as f64 + 0.5];
-        let inputs = [0, 1].map(|axis| (0..count).map(|i| N::from_f64(place(i)[axis])).collect::<Vec<N>>());
+        let inputs = [0, 1]
+            .map(|axis| (0..count).map(|i| N::from_f64(place(i)[axis] + beside[axis])).collect::<Vec<N>>());
         let mut outputs = vec![vec![N::from_f64(0.0); count]; tape.output_count()];
         let counts = run_parallel(
             &tape,
@@ -86,24 +99,48 @@ impl Rays {
         (0..self.met.len()).filter(|i| self.met[*i].lost).collect()
     }
 
-    /// How far these hits are from the true ones.
-    pub fn errors(&self, truth: &Rays) -> Errors {
-        assert_eq!(self.met.len(), truth.met.len(), "pictures of one size");
+    /// How far these hits are from the true ones. Rays of which either ran out of steps do not count.
+    pub fn errors(&self, truth: &Truth) -> Errors {
+        assert_eq!(self.met.len(), truth.through.met.len(), "pictures of one size");
         let mut errors = Errors::default();
         let mut squares = Vec::new();
-        for (ray, truth) in self.met.iter().zip(&truth.met).filter(|(a, b)| !a.lost && !b.lost) {
-            errors.compared += 1;
-            match (ray.depth, truth.depth) {
-                (None, None) => {}
-                (Some(depth), Some(truth)) if (depth - truth).abs() <= OTHER_SURFACE * truth => {
+        for (i, ray) in self.met.iter().enumerate() {
+            let through = &truth.through.met[i];
+            match (ray.depth, through.depth) {
+                _ if ray.lost || through.lost => {}
+                (Some(depth), Some(truth)) if ray.meets_what(through) => {
                     let error = (depth - truth).abs() / truth;
                     errors.largest = errors.largest.max(error);
                     squares.push(error * error);
                 }
+                _ if ray.meets_what(through) => {}
+                _ if truth.beside.iter().any(|beside| ray.meets_what(&beside.met[i])) => errors.beside += 1,
                 _ => errors.wrong += 1,
             }
         }
         errors.rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
         errors
+    }
+}
+
+impl Met {
+    /// Whether both meet the same surface, or nothing.
+    fn meets_what(&self, truth: &Met) -> bool {
+        match (self.depth, truth.depth) {
+            (Some(depth), Some(truth)) => (depth - truth).abs() <= OTHER_SURFACE * truth,
+            (None, None) => true,
+            _ => false,
+        }
+    }
+}
+
+impl Truth {
+    /// The truth about a scene, by the march `exact` in numbers of 64 bits.
+    pub fn of(example: &Example, frame: &Frame) -> Result<Truth, String> {
+        let exact = Subject::new(example, &Variant::named("exact+depth")?)?;
+        let round = (0..8).map(|i| std::f64::consts::FRAC_PI_4 * f64::from(i));
+        let beside =
+            round.map(|angle| Rays::of::<f64>(&exact, frame, [BESIDE * angle.cos(), BESIDE * angle.sin()]));
+        Ok(Truth { through: Rays::of::<f64>(&exact, frame, [0.0; 2]), beside: beside.collect() })
     }
 }

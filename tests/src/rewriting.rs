@@ -18,6 +18,20 @@ pub fn moved(text: &str, by: &str) -> String {
     edits.made()
 }
 
+/// A scene whose camera looks from the same place in the same direction, at something far beyond all that there is.
+pub fn looking_far(text: &str) -> String {
+    let tree = tree(text);
+    let mut edits = Edits::new(text);
+    for item in &tree.items {
+        if let ItemKind::Settings(SettingsKind::Camera, camera) = &item.kind {
+            let eye = &text[range(field(camera, "eye").expect("a camera with an eye").span)];
+            let target = field(camera, "target").expect("a camera with a target");
+            edits.replace(target.span, |target| format!("{eye} + (({target}) - ({eye})) * 1000000"));
+        }
+    }
+    edits.made()
+}
+
 /// A scene and its camera `factor` times as large, with all lengths of its settings.
 pub fn scaled(text: &str, factor: u32) -> String {
     let tree = tree(text);
@@ -183,6 +197,15 @@ scene { (sphere(1)).scale(8), union(for i in 0..3 { box(i) }).scale(8) }
 render { far: 800 }
 ";
         assert_eq!(scaled(TEXT, 8), wanted);
+    }
+
+    #[test]
+    fn a_camera_looks_farther() {
+        let far = looking_far(TEXT);
+        assert!(
+            far.starts_with("camera { eye: (1, 2, 3), target: (1, 2, 3) + ((a) - ((1, 2, 3))) * 1000000 }"),
+            "{far}"
+        );
     }
 
     #[test]

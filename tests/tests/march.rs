@@ -40,15 +40,21 @@ const BARS: &str = "
 camera { eye: (0, 1, 6), target: (0, 0, 0), fov: 40deg }
 scene { for i in 0..15 { box((0.02, 1.5, 0.02)).at(0.3 * (i - 7), 0, 0.4 * sin(5 * i)) }, box((4, 2, 0.1)).at(0, 0, -2) }";
 
+/// Walls of balls, one behind the other, whose fields are four times as steep as distances.
+const STEEP: &str = "
+camera { eye: (0, 1, 6), target: (0, 0, 0), fov: 40deg }
+let ball = field { 4 * (length(p) - 0.2) }
+scene { for i in 0..9 { for j in 0..4 { ball.at(0.42 * (i - 4), 0.42 * (j - 2), -0.3 * (i % 3)) } }, box((4, 2, 0.1)).at(0, 0, -2) }";
+
 /// The naive twins: steps of which none is taken back miss what is thin, and steps that know no slope pass what is steep.
 #[test]
 fn reckless_steps_are_seen_to_be_wrong() {
-    let bars = Example { name: "bars".into(), text: BARS.into() };
-    for (example, reckless) in [(bars, "reckless(1.6)"), (scene("column"), "global(1)")] {
+    for (name, text, reckless) in [("bars", BARS, "reckless(1.6)"), ("steep balls", STEEP, "global(1)")] {
+        let example = Example { name: name.into(), text: text.into() };
         let counts = count(&example, &["product", "relaxation(1.6)", reckless], &small()).unwrap();
         let [product, relaxation, wrong] = [0, 1, 2].map(|i: usize| counts[i].errors.wrong);
-        println!("{}: {product}, {relaxation} and {wrong} rays are wrong", example.name);
-        assert!(wrong > 20 + 2 * product.max(relaxation), "{}: {wrong} rays are wrong", example.name);
+        println!("{name}: {product}, {relaxation} and {wrong} rays are wrong");
+        assert!(wrong > 20 + 2 * product.max(relaxation), "{name}: {wrong} rays are wrong");
     }
 }
 

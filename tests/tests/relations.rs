@@ -3,7 +3,7 @@
 
 use sdf_lang::Options;
 use sdf_render::{Frame, Picture, cpu};
-use sdf_tests::rewriting::{moved, reversed, scaled, wrapped};
+use sdf_tests::rewriting::{looking_far, moved, reversed, scaled, wrapped};
 use sdf_tests::scenes::{Buffers, Example, examples, scene};
 use sdfc::{Clock, Compiled, Device, Language};
 
@@ -16,19 +16,19 @@ fn frame() -> Frame {
     Frame { time: 1.7, ..Frame::new(WIDTH, HEIGHT) }
 }
 
-fn options(replaced: &[(String, String)]) -> Options {
-    Options { attack: Some(0), probe: true, replaced: replaced.to_vec(), ..Options::default() }
+fn options() -> Options {
+    Options { attack: Some(0), probe: true, ..Options::default() }
 }
 
 /// The picture of a text by the interpreter.
-fn by_interpreter(text: &str, replaced: &[(String, String)]) -> Picture {
-    let scene = scene("relation", text, &options(replaced));
+fn by_interpreter(text: &str) -> Picture {
+    let scene = scene("relation", text, &options());
     cpu::render(&sdf_ir::legalise(&scene.program), &frame())
 }
 
 /// The picture of a text by Mesa's software driver.
-fn by_driver(text: &str, replaced: &[(String, String)]) -> Picture {
-    let compiled: Compiled = sdfc::compile("relation", text, &options(replaced), &mut Clock::default());
+fn by_driver(text: &str) -> Picture {
+    let compiled: Compiled = sdfc::compile("relation", text, &options(), &mut Clock::default());
     let (_, shader) = compiled.output.unwrap_or_else(|| panic!("{:?}\n{text}", compiled.diagnostics));
     let device = Device::Named("llvmpipe".into());
     let drawing = shader.draw(&frame(), &device, Language::Wgsl, &|_| {}, &mut Clock::default());
@@ -36,7 +36,7 @@ fn by_driver(text: &str, replaced: &[(String, String)]) -> Picture {
 }
 
 /// What draws, and how.
-type Draw = fn(&str, &[(String, String)]) -> Picture;
+type Draw = fn(&str) -> Picture;
 const BOTH: [(&str, Draw); 2] = [("the interpreter", by_interpreter), ("lavapipe", by_driver)];
 
 /// How many pixels differ by more than `tolerance` of 255 in a channel.
@@ -53,10 +53,42 @@ fn a_scene_far_away_looks_as_near_by() {
     for Example { name, text } in examples() {
         let far = moved(&text, FAR_AWAY);
         for (what, draw) in BOTH {
-            let found = differing(&draw(&text, &[]), &draw(&far, &[]), 1);
-            println!("{name}, {what}: {found} pixels differ");
+            let found = differing(&draw(&text), &draw(&far), 1);
             assert!(found <= FEW, "{name}, {what}: {found} pixels differ");
         }
+    }
+}
+
+/// The naive twin: a camera that looks at something far beyond the scene is not far from the origin beside that, so the
+/// coordinates are those of the file. Near the origin it sees what it saw, far away it does not.
+#[test]
+fn coordinates_as_in_the_file_are_too_coarse_far_away() {
+    for Example { name, text } in examples().into_iter().filter(|example| example.text.contains("camera")) {
+        let (near, far) = (looking_far(&text), looking_far(&moved(&text, FAR_AWAY)));
+        for (what, draw) in BOTH {
+            let picture = draw(&text);
+            let found = differing(&picture, &draw(&near), 1);
+            assert!(found <= FEW, "{name}, {what}: {found} pixels differ near by");
+            let found = differing(&picture, &draw(&far), 1);
+            assert!(found > 20 * FEW, "{name}, {what}: only {found} pixels differ far away");
+        }
+    }
+}
+
+/// A scene far away takes the steps that it takes near by, of hardly more operations: those of a shape at the origin,
+/// which is no longer there.
+#[test]
+fn a_scene_far_away_costs_no_more() {
+    for Example { name, text } in examples() {
+        let [near, far] = [text.clone(), moved(&text, FAR_AWAY)].map(|text| {
+            let compiled = sdfc::compile(&name, &text, &options(), &mut Clock::default());
+            let (scene, shader) = compiled.output.expect("a scene");
+            let steps: f32 = Buffers::of(&scene, &frame()).pixels.iter().map(|pixel| pixel.steps).sum();
+            (steps, shader.cost.map)
+        });
+        println!("{name}: {} and {} steps of {} and {} operations", near.0, far.0, near.1, far.1);
+        assert!((far.0 - near.0).abs() <= 0.001 * near.0, "{name}: {} and {} steps", near.0, far.0);
+        assert!(far.1 as f64 <= 1.1 * near.1 as f64 + 8.0, "{name}: {} and {} operations", near.1, far.1);
     }
 }
 
@@ -82,7 +114,7 @@ fn with_lengths(unit: u32, side: i32) -> String {
 
 /// Whether the steps of a scene's rays are shorter than its distances somewhere.
 fn is_steep(text: &str) -> bool {
-    scene("relation", text, &options(&[])).summary.effects.contains(&"step correction")
+    scene("relation", text, &options()).summary.effects.contains(&"step correction")
 }
 
 #[test]
@@ -96,13 +128,13 @@ fn a_scene_of_another_size_is_the_same_to_the_bit() {
         let is_rewritten = name != "lengths" && is_steep(&text);
         let (tolerance, most) = if is_rewritten { (1, FEW) } else { (0, 0) };
         for (what, draw) in BOTH {
-            let found = differing(&draw(&text, &[]), &draw(&large, &[]), tolerance);
+            let found = differing(&draw(&text), &draw(&large), tolerance);
             if found > most {
                 complaints += &format!("{name}, {what}: {found} pixels differ\n");
             }
         }
         let [small, large] =
-            [&text, &large].map(|text| Buffers::of(&scene(&name, text, &options(&[])), &frame()).pixels);
+            [&text, &large].map(|text| Buffers::of(&scene(&name, text, &options()), &frame()).pixels);
         let differ = small.iter().zip(&large).filter(|(small, large)| {
             let depth = if small.depth < 0.0 { small.depth } else { small.depth * 1024.0 };
             (depth, small.normal, small.steps) != (large.depth, large.normal, large.steps)
@@ -118,7 +150,7 @@ fn a_scene_of_another_size_is_the_same_to_the_bit() {
 #[test]
 fn a_mirrored_scene_is_the_mirror_image() {
     for (what, draw) in BOTH {
-        let (left, right) = (draw(&with_lengths(1, 1), &[]), draw(&with_lengths(1, -1), &[]));
+        let (left, right) = (draw(&with_lengths(1, 1)), draw(&with_lengths(1, -1)));
         let mirrored: Vec<u8> = right
             .rgba
             .chunks(4 * WIDTH as usize)
@@ -134,7 +166,7 @@ fn a_mirrored_scene_is_the_mirror_image() {
 fn the_order_of_shapes_does_not_matter() {
     for Example { name, text } in examples() {
         for (what, draw) in BOTH {
-            let found = differing(&draw(&text, &[]), &draw(&reversed(&text), &[]), 1);
+            let found = differing(&draw(&text), &draw(&reversed(&text)), 1);
             assert!(found <= FEW, "{name}, {what}: {found} pixels differ");
         }
     }
@@ -144,7 +176,7 @@ fn the_order_of_shapes_does_not_matter() {
 fn what_changes_nothing_leaves_no_trace() {
     for Example { name, text } in examples() {
         for (what, draw) in BOTH {
-            let found = differing(&draw(&text, &[]), &draw(&wrapped(&text), &[]), 0);
+            let found = differing(&draw(&text), &draw(&wrapped(&text)), 0);
             assert_eq!(found, 0, "{name}, {what}: pixels that differ");
         }
     }

@@ -44,10 +44,10 @@ pub struct Truth {
 /// How far the hits of a march are from the true ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Errors {
-    /// How many rays meet what no ray within a fifth of a pixel of them does: nothing where there is something, or the
-    /// other way round, or another surface, one that is more than a hundredth of the depth away.
+    /// How many rays meet something that is nearer or farther away than all that the rays round them meet: another
+    /// surface, one that is more than a hundredth of the depth away; or nothing, where all of those meet something.
     pub wrong: usize,
-    /// How many rays meet what they pass within a fifth of a pixel: at silhouettes.
+    /// How many rays meet another surface, or nothing, between what the rays round them meet: at silhouettes.
     pub beside: usize,
     /// The root of the mean square of the others' errors, as shares of the depths.
     pub rms: f64,
@@ -114,7 +114,7 @@ impl Rays {
                     squares.push(error * error);
                 }
                 _ if ray.meets_what(through) => {}
-                _ if truth.beside.iter().any(|beside| ray.meets_what(&beside.met[i])) => errors.beside += 1,
+                _ if truth.is_round(i, ray) => errors.beside += 1,
                 _ => errors.wrong += 1,
             }
         }
@@ -135,6 +135,15 @@ impl Met {
 }
 
 impl Truth {
+    /// Whether what a ray meets lies between what it and the rays round it truly meet.
+    fn is_round(&self, i: usize, ray: &Met) -> bool {
+        let depth = |met: &Met| met.depth.unwrap_or(f64::INFINITY);
+        let depths = self.beside.iter().chain([&self.through]).map(|rays| depth(&rays.met[i]));
+        let (nearest, farthest) = depths.fold((f64::INFINITY, 0.0f64), |(n, f), d| (n.min(d), f.max(d)));
+        let wide = 1.0 + OTHER_SURFACE;
+        nearest <= depth(ray) * wide && depth(ray) <= farthest * wide
+    }
+
     /// The truth about a scene, by the march `exact` in numbers of 64 bits.
     pub fn of(example: &Example, frame: &Frame) -> Result<Truth, String> {
         let exact = Subject::new(example, &Variant::named("exact+depth")?)?;

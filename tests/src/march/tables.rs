@@ -8,8 +8,14 @@ use sdf_render::Frame;
 use std::path::Path;
 
 /// The marches that all scenes are drawn with: the compiler's first.
-pub const MARCHES: [&str; 5] =
-    ["product", "basic", "basic+unrefined@equal", "relaxation(1.2)", "relaxation(1.6)"];
+pub const MARCHES: [&str; 6] = [
+    "product",
+    "basic",
+    "basic+unrefined@equal",
+    "signed+unrefined@equal",
+    "relaxation(1.2)",
+    "relaxation(1.6)",
+];
 
 /// More of them, for the scene `smooth`.
 const MORE: [&str; 5] =
@@ -41,7 +47,7 @@ pub fn scene(name: &str) -> Example {
 /// The scenes, each with its marches.
 fn scenes() -> Vec<(Example, Vec<&'static str>)> {
     let mut scenes: Vec<_> = examples().into_iter().map(|e| (e, MARCHES.to_vec())).collect();
-    scenes.push((scene("smooth"), [MARCHES, MORE].concat()));
+    scenes.push((scene("smooth"), [&MARCHES[..], &MORE].concat()));
     scenes.push((scene("column"), FACTORS.to_vec()));
     scenes
 }
@@ -50,15 +56,18 @@ fn scenes() -> Vec<(Example, Vec<&'static str>)> {
 pub fn counts(frame: &Frame) -> Result<(Table, Vec<(String, Vec<Count>)>), String> {
     let heads = ["scene", "march", "steps", "evaluations", "lost", "wrong", "beside", "rms", "largest"];
     let about = format!(
-        "What marches do for a picture of {}×{} pixels; `tests/tests/march.rs` writes this. `product` is the \
-         compiler's; the others have\nfunctions of `tests/march/` in place of its own: `basic` takes steps of the \
-         distance over the slope, `relaxation(ω)` those of\nKeinert et al., `unrefined` leaves the secant steps out, \
-         `global(f)` multiplies all distances by one factor. A number behind `@`\nis the tolerance in pixels, else it \
-         is that of the scene; of `basic+unrefined` it is chosen so that the mean square of the\nerrors is that of \
-         the product or just below it.\n\nSteps, and evaluations of the field, are those of the ray from the eye, for \
-         a pixel in the mean. Lost rays ran out of steps.\nWrong ones meet what no ray within a fifth of a pixel \
-         meets; those beside, at silhouettes, meet what such a ray meets. Errors are\nthose of the others' depths, as \
-         shares of the depths, from a march in 64 bits to 1e-10.",
+        "What marches do for a picture of {}×{} pixels; `tests/tests/march.rs` writes this.
+
+`product` is the compiler's march; the others have functions of `tests/march/` in place of its own: `basic` takes steps of
+the distance over the slope, `relaxation(ω)` those of Keinert et al., `signed` takes a step back that ends behind a surface,
+`unrefined` leaves the secant steps out, `secants(n)` takes n of them, `global(f)` multiplies all distances by one factor. A
+number behind `@` is the tolerance in pixels, else it is that of the scene; of what is `unrefined` it is chosen so that the
+mean square of the errors is that of the product or just below it.
+
+Steps, and evaluations of the field, are those of the ray from the eye, for a pixel in the mean. Lost rays ran out of steps.
+Wrong ones meet what is nearer or farther away than all that the rays a fifth of a pixel round them meet; those beside meet
+what is between, at silhouettes. Errors are those of the others' depths, as shares of the depths, from a march in 64 bits to
+1e-10.",
         frame.width, frame.height
     );
     let mut table = Table {
@@ -95,10 +104,11 @@ fn count_row(scene: &str, Count { march, rays, errors }: &Count) -> Vec<String> 
 pub fn times(frame: &Frame, rounds: usize) -> Result<Table, String> {
     let heads = ["scene", "march", "whole, ms", "of the product", "march alone, ms", "of the product"];
     let about = format!(
-        "How long marches take for a picture of {}×{} pixels; `cargo run --release -p sdf-tests --bin march -- --table` \
-         writes this.\n`march.md` has the same marches, and says what they are called. Times are those of all \
-         processors together, on which lavapipe\nruns, in the median of {rounds}; the marches take turns, and ratios \
-         are the median of those within a round. The march alone draws\nthe depth, so that nothing is shaded.",
+        "How long marches take for a picture of {}×{} pixels on lavapipe; `march --table` in `tests/src/bin/` writes this.
+
+`march.md` says what the marches are called. Times are those of all processors together, in the median of {rounds}; the
+marches take turns, and ratios are the median of those within a round. The march alone draws the depth, so that nothing is
+shaded.",
         frame.width, frame.height
     );
     let mut table = Table {

@@ -123,7 +123,7 @@ mod tests {
         for path in paths.filter(|path| path.extension().is_some_and(|ending| ending == "sdf")) {
             let stem = path.file_stem().expect("a name").to_string_lossy().into_owned();
             let has_value = std::fs::read_to_string(&path).expect("a text").contains("VALUE");
-            let name = if has_value { format!("{stem}(0.5)") } else { stem };
+            let name = if has_value { format!("{stem}(1)") } else { stem };
             let variant = Variant::named(&name).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(!variant.replaced.is_empty(), "{name}");
             let options = sdf_lang::Options { replaced: variant.replaced, ..sdf_lang::Options::default() };

@@ -124,7 +124,10 @@ pub struct Scene {
     /// Its entry is `pixel(coordinate: vec2) → color: vec3`, in pixels from the bottom left and in sRGB; with an
     /// [`Options::view`] it has one more result, which [`View`] tells.
     pub program: Program,
-    /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
+    /// Where the coordinates of `map` and of the certificate are zero: a place near the camera if that stands far from
+    /// the origin, else the origin.
+    pub origin: [f64; 3],
+    /// `map(p: vec3) → distance` of the whole scene, `p` relative to `origin`; a scene that is nothing has none.
     pub map: Option<FunctionId>,
     /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3, steps: float, lost: float` of
     /// what a pixel shows, if it was asked for: the distance from the eye (-1 where there is nothing), the surface's

@@ -50,7 +50,7 @@ pub(crate) fn elaborate(
             let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
             let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
             let (facts, summary) = (made.facts, made.summary);
-            Scene { map, probe, query, certificate, program, facts, summary }
+            Scene { origin: made.origin, map, probe, query, certificate, program, facts, summary }
         });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -82,6 +82,7 @@ const POINT: (&str, Type) = ("p", Type::Vec3);
 
 /// The functions of a scene, in the program that is being made.
 struct Made {
+    origin: [f64; 3],
     map: Option<FunctionId>,
     pixel: FunctionId,
     probe: Option<FunctionId>,
@@ -143,7 +144,8 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok(Made { map: map_id, pixel, probe, query, certificate, facts, summary })
+        let origin = self.origin.unwrap_or_default().to_array();
+        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, summary })
     }
 
     /// The record that the renderer takes, and the scene as a shape.

@@ -221,12 +221,7 @@ impl Gpu {
     }
 
     /// A picture that is ready to be drawn, as [`render`](Gpu::render) would draw it: its pipeline is built.
-    pub fn prepare(
-        &self,
-        shader: Shader,
-        size: [u32; 2],
-        uniforms: &[u8],
-    ) -> Result<Prepared<'_>, GpuError> {
+    pub fn prepare(&self, shader: Shader, size: [u32; 2], uniforms: &[u8]) -> Result<Prepared<'_>, GpuError> {
         self.prepare_as(wgpu::TextureFormat::Rgba8Unorm, shader, size, uniforms)
     }
 

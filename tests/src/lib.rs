@@ -14,6 +14,7 @@ pub mod pages;
 pub mod reference;
 pub mod rewriting;
 pub mod run;
+pub mod safety;
 pub mod scenes;
 pub mod shadertoy;
 pub mod swiftshader;

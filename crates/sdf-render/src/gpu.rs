@@ -306,7 +306,7 @@ impl Prepared<'_> {
         })
     }
 
-    /// The bytes of the pixels as they were drawn last, row by row from the top.
+    /// The pixels as they were drawn last, in the bytes of their format, row by row from the top.
     pub fn pixels(&self) -> Result<Vec<u8>, GpuError> {
         self.gpu.read_texture(&self.texture)
     }

@@ -18,12 +18,11 @@ pub const MARCHES: [&str; 6] = [
 ];
 
 /// More of them, for the scene `smooth`.
-const MORE: [&str; 7] = [
+const MORE: [&str; 6] = [
     "basic@0.001",
     "product@0.001",
     "product+unrefined",
     "product+unproved",
-    "crossing",
     "product@0.5",
     "basic+unrefined@0.1",
 ];
@@ -67,10 +66,9 @@ pub fn counts(frame: &Frame) -> Result<(Table, Vec<(String, Vec<Count>)>), Strin
 
 `product` is the compiler's march; the others have functions of `tests/march/` in place of its own: `basic` takes steps of
 the distance over the slope, `relaxation(ω)` those of Keinert et al.; `unrefined` ends where it is near and is not led on to
-the surface; `unproved` takes whatever it is near to for a surface, also where the field is a bound, `crossing` only what the
-ray crosses; `global(f)` multiplies all distances by one factor. A number behind `@` is the tolerance in pixels, else it is
-that of the scene; of `basic+unrefined` it is chosen so that the mean square of the errors is that of the product or just
-below it.
+the surface; `unproved` takes whatever it is near to for a surface, also where the field is a bound; `global(f)` multiplies all
+distances by one factor. A number behind `@` is the tolerance in pixels, else it is that of the scene; of `basic+unrefined` it
+is chosen so that the mean square of the errors is that of the product or just below it.
 
 Steps, and evaluations of the field, are those of the ray from the eye, for a pixel in the mean. Lost rays ran out of steps.
 Wrong ones meet what is nearer or farther away than all that the rays a fifth of a pixel round them meet; those beside meet

@@ -52,9 +52,10 @@ fn reckless_steps_are_seen_to_be_wrong() {
     for (name, text, reckless) in [("bars", BARS, "reckless(1.6)"), ("steep balls", STEEP, "global(1)")] {
         let example = Example { name: name.into(), text: text.into() };
         let counts = count(&example, &["product", "relaxation(1.6)", reckless], &small()).unwrap();
-        let [product, relaxation, wrong] = [0, 1, 2].map(|i: usize| counts[i].errors.wrong);
-        println!("{name}: {product}, {relaxation} and {wrong} rays are wrong");
-        assert!(wrong > 20 + 2 * product.max(relaxation), "{name}: {wrong} rays are wrong");
+        let [product, relaxation, wrong] =
+            [0, 1, 2].map(|i: usize| counts[i].errors.wrong + counts[i].rays.lost().len());
+        println!("{name}: {product}, {relaxation} and {wrong} rays are wrong or lost");
+        assert!(wrong > 20 + 2 * product.max(relaxation), "{name}: {wrong} rays are wrong or lost");
     }
 }
 
@@ -89,14 +90,15 @@ fn what_is_not_steep_costs_nothing() {
     assert_ne!(column, text("column", "global(1)"));
 }
 
-/// The march against the textbook's, with the same refinement and without any but as exact: whole pictures.
+/// The march against the textbook's, with the same tolerance and refinement, and without refinement but as exact; what is
+/// proved of a hit is the same. Whole pictures, by the time of all processors.
 #[test]
 fn no_example_takes_longer_than_with_basic_steps() {
     let mut complaints = String::new();
     for example in examples() {
         let counts = count(&example, &["product", "basic", "basic+unrefined@equal"], &small()).unwrap();
         let marches: Vec<&str> = counts.iter().map(|count| &*count.march).collect();
-        for lap in time(&example, &marches, &small(), 15).unwrap() {
+        for lap in time(&example, &marches, &Frame::new(320, 180), 9).unwrap().iter().skip(1) {
             let ratio = 1.0 / lap.whole.processors_ratio;
             println!("{}: {ratio:.3} of the time of {}", example.name, lap.march);
             if ratio > 1.05 {

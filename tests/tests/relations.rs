@@ -87,7 +87,7 @@ fn a_scene_far_away_costs_no_more() {
             (steps, shader.cost.map)
         });
         println!("{name}: {} and {} steps of {} and {} operations", near.0, far.0, near.1, far.1);
-        assert!((far.0 - near.0).abs() <= 0.001 * near.0, "{name}: {} and {} steps", near.0, far.0);
+        assert!((far.0 - near.0).abs() <= 0.01 * near.0, "{name}: {} and {} steps", near.0, far.0);
         assert!(far.1 as f64 <= 1.1 * near.1 as f64 + 8.0, "{name}: {} and {} operations", near.1, far.1);
     }
 }
@@ -124,9 +124,10 @@ fn a_scene_of_another_size_is_the_same_to_the_bit() {
     pairs.push(("lengths".into(), with_lengths(1024, 1), with_lengths(1, 1)));
     let mut complaints = String::new();
     for (name, large, text) in pairs {
-        // What is scaled is no longer what it was: the steps to it are found in another way where they are corrected.
+        // What is scaled is no longer what it was: where steps are corrected, those to it are found in another way, and at
+        // silhouettes a ray meets what it passes within the tolerance, or does not.
         let is_rewritten = name != "lengths" && is_steep(&text);
-        let (tolerance, most) = if is_rewritten { (1, FEW) } else { (0, 0) };
+        let (tolerance, most) = if is_rewritten { (1, 5 * FEW) } else { (0, 0) };
         for (what, draw) in BOTH {
             let found = differing(&draw(&text), &draw(&large), tolerance);
             if found > most {

@@ -12,14 +12,20 @@ pub const MARCHES: [&str; 6] = [
     "product",
     "basic",
     "basic+unrefined@equal",
-    "signed+unrefined@equal",
+    "basic+unrefined+unproved@equal",
     "relaxation(1.2)",
     "relaxation(1.6)",
 ];
 
 /// More of them, for the scene `smooth`.
-const MORE: [&str; 5] =
-    ["basic@0.001", "product@0.001", "product+secants(1)", "product@0.5", "basic+unrefined@0.1"];
+const MORE: [&str; 6] = [
+    "basic@0.001",
+    "product@0.001",
+    "product+unrefined",
+    "product+unproved",
+    "product@0.5",
+    "basic+unrefined@0.1",
+];
 
 /// The slope of the field of the scene `column`: what is proved of it, as `--emit facts` tells.
 pub const PROVED: f64 = 10.2;
@@ -59,10 +65,10 @@ pub fn counts(frame: &Frame) -> Result<(Table, Vec<(String, Vec<Count>)>), Strin
         "What marches do for a picture of {}×{} pixels; `tests/tests/march.rs` writes this.
 
 `product` is the compiler's march; the others have functions of `tests/march/` in place of its own: `basic` takes steps of
-the distance over the slope, `relaxation(ω)` those of Keinert et al., `signed` takes a step back that ends behind a surface,
-`unrefined` leaves the secant steps out, `secants(n)` takes n of them, `global(f)` multiplies all distances by one factor. A
-number behind `@` is the tolerance in pixels, else it is that of the scene; of what is `unrefined` it is chosen so that the
-mean square of the errors is that of the product or just below it.
+the distance over the slope, `relaxation(ω)` those of Keinert et al.; `unrefined` ends where it is near and is not led on to
+the surface; `unproved` takes whatever it is near to for a surface, also where the field is a bound; `global(f)` multiplies all
+distances by one factor. A number behind `@` is the tolerance in pixels, else it is that of the scene; of `basic+unrefined` it
+is chosen so that the mean square of the errors is that of the product or just below it.
 
 Steps, and evaluations of the field, are those of the ray from the eye, for a pixel in the mean. Lost rays ran out of steps.
 Wrong ones meet what is nearer or farther away than all that the rays a fifth of a pixel round them meet; those beside meet

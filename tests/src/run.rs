@@ -17,6 +17,12 @@ pub fn lavapipe() -> &'static Gpu {
     })
 }
 
+/// What a device, found by a part of its name, and its driver call themselves.
+pub fn version_of(device: &str) -> String {
+    let gpu = Gpu::new(&DevicePreference::Named(device.into())).unwrap_or_else(|error| panic!("{error}"));
+    format!("{}, {}", gpu.name().name, gpu.name().driver)
+}
+
 /// What the `f32` lanes of the interpreter make of the columns, as bits.
 pub fn on_lanes(program: &Program, function: FunctionId, columns: &[Vec<f32>]) -> Vec<Vec<u32>> {
     let tape = Tape::compile(program, function);

@@ -1,13 +1,17 @@
 //! `compute DEVICE wgsl|glsl BYTES INVOCATIONS WIDTH < text and words > words`: what a compute shader of that many bytes,
 //! followed by the words of its arguments, leaves on a device: `WIDTH` words for each invocation. Words are little-endian.
+//! `compute DEVICE` prints what the device and its driver are called.
 
 use sdf_emit::KernelLanguage;
 use sdf_render::gpu::{DevicePreference, Gpu};
-use sdf_tests::run::Kernel;
+use sdf_tests::run::{Kernel, version_of};
 use std::io::{Read, Write};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [device] = arguments.as_slice() {
+        return print!("{}", version_of(device));
+    }
     let [device, language, bytes, invocations, width] = arguments.as_slice() else {
         panic!("usage: compute DEVICE wgsl|glsl BYTES INVOCATIONS WIDTH < text and words > words");
     };

@@ -552,6 +552,13 @@ impl Program {
         self.functions.iter().position(|f| &*f.name == name).map(|i| FunctionId(i as u32))
     }
 
+    /// The same program in which no function promises a Lipschitz constant: what is proved of it rests on its formulas
+    /// alone.
+    pub fn without_promises(mut self) -> Program {
+        self.functions.iter_mut().for_each(|function| function.lipschitz = None);
+        self
+    }
+
     /// Adds a function, which may call those that are there already.
     pub fn add(&mut self, function: Function) -> FunctionId {
         self.functions.push(function);

@@ -1,0 +1,196 @@
+//! Whether there is a zero of the field in a ball, certainly, and so whether a step is safe.
+//!
+//! A box round the ball is halved until the field certainly has no zero in any part, by its interval there or by what
+//! its slopes let it change from the middle (no Lipschitz constant is taken from anywhere else), or until a point is
+//! found at which it has another sign than at the centre.
+
+use super::field::{Field, sign};
+use super::{Prover, Vector, dot, length, moved, normal, run};
+use sdf_ir::interval::{Bounds, Interval};
+
+/// How often the field is evaluated for one ball, at most.
+const BUDGET: u64 = 4000;
+/// The share of a step that must be free: what is left is for rounding.
+const SHARE: f64 = 0.99;
+/// The shares of a step that are tried where that much is not free.
+const SMALLER: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
+
+/// What is certain about a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// There is no zero within 0.99 of it.
+    Safe,
+    /// There is one within 0.99 of it; within this share of it there is none, 0 if nothing smaller was proved.
+    Unsafe(f64),
+    /// It cannot be told; within this share of it there is none.
+    Undecided(f64),
+}
+
+impl Step {
+    /// The share of the step that certainly is free.
+    pub fn free_share(self) -> f64 {
+        match self {
+            Step::Safe => SHARE,
+            Step::Unsafe(share) | Step::Undecided(share) => share,
+        }
+    }
+}
+
+impl Prover<'_> {
+    /// Whether the field has a zero within `radius` of a point; `None` where it cannot be told. A value that is zero up
+    /// to the rounding of `f64` is one.
+    pub fn contains_zero(&mut self, center: Vector, radius: f64) -> Option<bool> {
+        let gradient = self.normals_at(&[center]).pop();
+        let field = self.field.as_mut()?;
+        let value = field.over(Bounds::between(center, center));
+        match sign(value) {
+            None if value.most() < f64::INFINITY => Some(true),
+            None => None,
+            Some(side) => Ball { field, center, radius, side, value, gradient }.contains_zero(),
+        }
+    }
+
+    /// The length of the step that the march may take from a point: negative inside.
+    pub fn stride(&mut self, place: Vector) -> f64 {
+        let [_, stride] = run(&mut self.step, &place);
+        stride
+    }
+
+    /// Whether the step that the march may take from a point passes no surface, in whatever direction it is taken. The
+    /// march asks at points in `f32`, so the point is rounded to them.
+    pub fn step_from(&mut self, place: Vector) -> Step {
+        let place = place.map(|x| f64::from(x as f32));
+        let stride = self.stride(place).abs();
+        if self.field.is_none() || stride == 0.0 {
+            return Step::Safe;
+        }
+        let found = self.contains_zero(place, SHARE * stride);
+        if found == Some(false) {
+            return Step::Safe;
+        }
+        let free = SMALLER.into_iter().find(|share| self.contains_zero(place, share * stride) == Some(false));
+        let share = free.unwrap_or(0.0);
+        if found == Some(true) { Step::Unsafe(share) } else { Step::Undecided(share) }
+    }
+}
+
+struct Ball<'a, 'p> {
+    field: &'a mut Field<'p>,
+    center: Vector,
+    radius: f64,
+    /// Whether the field is positive at the centre.
+    side: bool,
+    value: Interval,
+    /// The gradient's direction at the centre.
+    gradient: Option<Vector>,
+}
+
+/// A box: its middle, and half its size along each axis.
+#[derive(Clone, Copy)]
+struct Cell {
+    middle: Vector,
+    half: Vector,
+}
+
+impl Ball<'_, '_> {
+    fn contains_zero(&mut self) -> Option<bool> {
+        let until = self.field.evaluations + BUDGET;
+        let mut cells = vec![Cell { middle: self.center, half: [self.radius; 3] }];
+        let mut is_first = true;
+        while let Some(cell) = cells.pop() {
+            if self.is_outside(&cell) {
+                continue;
+            }
+            let region = cell.region();
+            if !is_first && sign(self.field.over(region)).is_some() {
+                continue;
+            }
+            let (values, slopes) = self.field.moving_over(region);
+            if sign(values).is_some() {
+                continue;
+            }
+            let middle = match is_first {
+                true => self.value,
+                false => self.field.over(Bounds::between(cell.middle, cell.middle)),
+            };
+            // From the middle of the ball no point of it is farther than its radius.
+            let reach = if is_first { self.radius } else { length(cell.half) };
+            let reach = reach * (1.0 + 1e-12);
+            let change =
+                slopes.gradient(0).iter().zip(cell.half).fold(Interval::ZERO, |sum, (slope, half)| {
+                    sum.plus(slope.times(Interval::symmetric(half)))
+                });
+            let by_norm = Interval::symmetric(reach).scaled(slopes.norm());
+            let mean = middle.plus(change.intersect(by_norm));
+            if sign(mean).is_some() {
+                continue;
+            }
+            let has_changed = match is_first {
+                true => self.looks_round(),
+                false => self.is_inside(cell.middle) && sign(middle).is_some_and(|side| side != self.side),
+            };
+            if has_changed {
+                return Some(true);
+            }
+            is_first = false;
+            if self.field.evaluations >= until || !cell.is_divisible() {
+                return None;
+            }
+            cells.extend(cell.halves());
+        }
+        Some(false)
+    }
+
+    /// Whether the field has another sign at one of some points of the ball: along its gradient, and all round.
+    fn looks_round(&mut self) -> bool {
+        let way = if self.side { -1.0 } else { 1.0 };
+        let downhill = self.gradient.map(|gradient| gradient.map(|x| x * way));
+        let mut directions = downhill.into_iter().chain(normal::directions());
+        directions.any(|direction| {
+            let place = moved(self.center, direction, self.radius * (1.0 - 1e-9));
+            self.is_inside(place)
+                && sign(self.field.over(Bounds::between(place, place))).is_some_and(|side| side != self.side)
+        })
+    }
+
+    fn is_inside(&self, place: Vector) -> bool {
+        let offset = std::array::from_fn(|i| place[i] - self.center[i]);
+        length(offset) * (1.0 + 1e-12) <= self.radius
+    }
+
+    fn is_outside(&self, cell: &Cell) -> bool {
+        let nearest =
+            std::array::from_fn(|i| ((cell.middle[i] - self.center[i]).abs() - cell.half[i]).max(0.0));
+        dot(nearest, nearest) > self.radius * self.radius * (1.0 + 1e-12)
+    }
+}
+
+impl Cell {
+    /// The box, rounded outward.
+    fn region(&self) -> Bounds {
+        let side = |i: usize| Interval::point(self.middle[i]).widened_by(self.half[i]);
+        Bounds::vector(&[side(0), side(1), side(2)])
+    }
+
+    /// Whether halving it still makes a difference to `f64`.
+    fn is_divisible(&self) -> bool {
+        let largest = self.middle.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        self.half.iter().fold(0.0f64, |most, x| most.max(*x)) > 1e-14 * largest
+    }
+
+    /// The halves across its longest axis. They overlap by rounding.
+    fn halves(&self) -> [Cell; 2] {
+        let axis = (0..3).fold(0, |longest, i| if self.half[i] > self.half[longest] { i } else { longest });
+        let (mut low, mut high) = (*self, *self);
+        let quarter = self.half[axis] / 2.0;
+        low.middle[axis] -= quarter;
+        high.middle[axis] += quarter;
+        low.half[axis] = quarter;
+        high.half[axis] = quarter;
+        // What the middles are rounded by must be in one of the halves.
+        let room = self.middle[axis].abs() * f64::EPSILON;
+        low.half[axis] += room;
+        high.half[axis] += room;
+        [low, high]
+    }
+}

@@ -1,0 +1,65 @@
+//! A field over regions: where its values lie there, and how they move.
+
+use super::ray::Ray;
+use sdf_ir::interval::{Bounds, Interval, Sloped, Slopes, Walker};
+use sdf_ir::{Function, Program};
+
+/// A field, asked by one thread.
+pub(super) struct Field<'p> {
+    values: Walker<'p, Bounds>,
+    slopes: Walker<'p, Sloped>,
+    /// How often it was evaluated.
+    pub evaluations: u64,
+}
+
+impl<'p> Field<'p> {
+    pub fn new(
+        program: &'p Program,
+        map: &'p Function,
+        uniforms: &[Bounds],
+        globals: &[Bounds],
+    ) -> Field<'p> {
+        Field {
+            values: Walker::new(program, map, uniforms, globals),
+            slopes: Walker::new(program, map, uniforms, globals),
+            evaluations: 0,
+        }
+    }
+
+    /// Where the values in a region lie.
+    pub fn over(&mut self, region: Bounds) -> Interval {
+        self.evaluations += 1;
+        self.values.run(&[region])[0].number()
+    }
+
+    /// Where the values in a region lie, and how they move with the point there.
+    pub fn moving_over(&mut self, region: Bounds) -> (Interval, Slopes) {
+        self.evaluations += 1;
+        let result = self.slopes.run(&[Sloped::point(region)])[0];
+        (result.bounds.number(), result.slopes)
+    }
+
+    /// Where the values along a part of a ray lie.
+    pub fn along(&mut self, ray: &Ray, from: f64, to: f64) -> Interval {
+        self.over(ray.part(from, to))
+    }
+
+    /// Where the values along a part of a ray lie, and how they change with the distance along it; where they may jump,
+    /// that is everything.
+    pub fn moving_along(&mut self, ray: &Ray, from: f64, to: f64) -> (Interval, Interval) {
+        self.evaluations += 1;
+        let result = self.slopes.run(&[ray.moving_part(from, to)])[0];
+        (result.bounds.number(), result.slopes.gradient(0)[0])
+    }
+}
+
+/// The sign of all numbers of an interval, where they have the same.
+pub(super) fn sign(x: Interval) -> Option<bool> {
+    if x.lo > 0.0 {
+        Some(true)
+    } else if x.hi < 0.0 {
+        Some(false)
+    } else {
+        None
+    }
+}

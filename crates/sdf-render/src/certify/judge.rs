@@ -1,0 +1,121 @@
+//! What a renderer found at a pixel, against the truth.
+
+use super::first_hit::Truth;
+use super::ray::Ray;
+use super::{Prover, dot};
+
+/// How much later than the first zero a hit may be: this many tolerances, measured along the normal.
+const LATE: f64 = 2.0;
+/// How much of what is allowed the enclosure of the first zero may be wide.
+const WIDE: f64 = 0.1;
+
+/// What a renderer found at a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The distance along the ray; -1 where there is nothing.
+    pub depth: f32,
+    /// The surface's normal there.
+    pub normal: [f32; 3],
+    /// Whether the steps were too few to tell.
+    pub lost: bool,
+}
+
+/// How a pixel is judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Verdict {
+    /// There is nothing, as was found.
+    RightMiss,
+    /// The ray meets the surface where it was found, or passes it within the tolerance there.
+    RightHit {
+        /// How far the hit is from the first zero, in tolerances along the normal: the distance times the cosine between
+        /// ray and normal, over the tolerance there ([`Ray::radius`]). `None` for one that the ray meets before it certainly meets the
+        /// surface.
+        late: Option<f64>,
+        /// The angle between the normal that was found and the surface's, in degrees; on a crease, the nearest of those
+        /// of its sides.
+        normal: f64,
+        /// Whether the surface certainly is smooth there.
+        is_smooth: bool,
+    },
+    /// There is no zero of the field within the tolerance of where a hit was found.
+    FalseHit,
+    /// The ray certainly meets the surface, and nothing was found, or only what lies behind.
+    FalseMiss,
+    /// The truth is not known closely enough.
+    Ambiguous,
+    /// The steps were too few to tell.
+    OutOfSteps,
+    /// What was found is not a finite number.
+    NotFinite,
+}
+
+impl Prover<'_> {
+    /// Judges what was found at a pixel whose ray's truth this is.
+    pub fn judge(&mut self, ray: &Ray, truth: &Truth, found: &Found) -> Verdict {
+        if !found.depth.is_finite() || found.normal.iter().any(|x| !x.is_finite()) {
+            Verdict::NotFinite
+        } else if found.lost {
+            Verdict::OutOfSteps
+        } else if found.depth < 0.0 {
+            self.judge_miss(ray, truth)
+        } else {
+            self.judge_hit(ray, truth, found)
+        }
+    }
+
+    fn judge_miss(&mut self, ray: &Ray, truth: &Truth) -> Verdict {
+        match *truth {
+            Truth::Miss => Verdict::RightMiss,
+            Truth::Ambiguous { .. } => Verdict::Ambiguous,
+            // At the end of the ray rounding decides.
+            Truth::Hit { near, .. } if near >= ray.far - ray.rounding(ray.far) => Verdict::RightMiss,
+            Truth::Hit { .. } => Verdict::FalseMiss,
+        }
+    }
+
+    fn judge_hit(&mut self, ray: &Ray, truth: &Truth, found: &Found) -> Verdict {
+        let depth = f64::from(found.depth);
+        let radius = ray.radius(depth);
+        let Truth::Hit { near, far } = *truth else {
+            return match (self.contains_zero(ray.at(depth), radius), truth) {
+                (Some(false), _) => Verdict::FalseHit,
+                (Some(true), Truth::Miss) => self.right_hit(ray, None, found),
+                _ => Verdict::Ambiguous,
+            };
+        };
+        let cosine = self.cosine(ray, far);
+        let allowed = (LATE * ray.tolerance * depth / cosine).max(ray.rounding(depth));
+        if depth > far + allowed {
+            return Verdict::FalseMiss;
+        }
+        // The first zero is as far away as this, at most.
+        let apart = (depth - near).abs().max((far - depth).abs());
+        if apart > radius {
+            match self.contains_zero(ray.at(depth), radius) {
+                Some(true) => {}
+                Some(false) => return Verdict::FalseHit,
+                None => return Verdict::Ambiguous,
+            }
+        }
+        if depth < near - allowed {
+            return self.right_hit(ray, None, found);
+        }
+        if far - near > WIDE * allowed {
+            return Verdict::Ambiguous;
+        }
+        self.right_hit(ray, Some(apart * cosine / radius), found)
+    }
+
+    fn right_hit(&mut self, ray: &Ray, late: Option<f64>, found: &Found) -> Verdict {
+        let depth = f64::from(found.depth);
+        let normal = self.normal(ray.at(depth), ray.radius(depth));
+        let angle = normal.angle_to(found.normal.map(f64::from));
+        Verdict::RightHit { late, normal: angle, is_smooth: normal.is_smooth }
+    }
+
+    /// The cosine of the angle between a ray and the normal where it meets the surface; 1 where there is no normal.
+    fn cosine(&mut self, ray: &Ray, t: f64) -> f64 {
+        let normals = self.normals_at(&[ray.at(t)]);
+        normals.first().map_or(1.0, |normal| dot(*normal, ray.direction).abs())
+    }
+}

@@ -11,6 +11,7 @@ pub mod build;
 pub mod constant;
 pub mod copy;
 pub mod cost;
+mod degree;
 mod dump;
 pub mod eval;
 pub mod gradient;
@@ -32,6 +33,7 @@ pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
 pub use copy::rebuild;
+pub use degree::is_affine;
 pub use gradient::{Gradients, gradient};
 pub use parity::is_even;
 pub use program::{

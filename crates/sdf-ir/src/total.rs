@@ -48,13 +48,13 @@ fn is_basic_unary(op: Unary) -> bool {
         | Unary::Trunc
         | Unary::Sqrt
         | Unary::Length
-        | Unary::Normalize
         | Unary::Hash
         | Unary::PowerOfTwo
         | Unary::Exponent
         | Unary::Mantissa
         | Unary::ReduceAngle => true,
-        Unary::Sin
+        Unary::Normalize
+        | Unary::Sin
         | Unary::Cos
         | Unary::Tan
         | Unary::Asin
@@ -185,7 +185,8 @@ impl Raise<'_> {
                 // |x| of a number overflows nowhere.
                 _ => b.unary(Unary::Abs, a),
             },
-            Unary::Normalize if !(squares_fit(range) && range.least() > 1e-18) => match b.ty(a) {
+            // Drivers have other ways to a vector of length one, which round in other places.
+            Unary::Normalize => match b.ty(a) {
                 Type::Vec2 => self.help(b, Helper::Direction2, &[a]),
                 Type::Vec3 => self.help(b, Helper::Direction3, &[a]),
                 _ => b.unary(Unary::Sign, a),

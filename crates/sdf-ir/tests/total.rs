@@ -42,6 +42,20 @@ fn nodes(function: &Function) -> Vec<Node> {
     regions.flat_map(|r| r.body.iter().map(|v| function.node(*v))).collect()
 }
 
+/// Also where nothing needs a guard, a vector is normalised by operations that are the same everywhere.
+#[test]
+fn a_vector_that_is_never_short_is_normalised_by_basic_operations() {
+    let write = |b: &mut Builder, v: &[Value]| {
+        let (x, three) = (b.component(v[0], 0), b.float(3.0));
+        let x = b.unary(Unary::Tanh, x);
+        let long = b.compose(&[x, three, three]);
+        b.unary(Unary::Normalize, long)
+    };
+    let found = run(&program(vec![parameter("v", Type::Vec3, false)], write), &[&[0.0], &[0.0], &[0.0]]);
+    assert_eq!(found[0], [0.0]);
+    assert!((found[1][0] - 0.5f32.sqrt()).abs() < 1e-7);
+}
+
 /// The edges of domains and of the range of numbers, with their neighbours, of both signs.
 fn edges() -> Vec<f32> {
     let mut edges =

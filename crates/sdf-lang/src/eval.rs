@@ -53,6 +53,8 @@ pub(crate) struct Elaborator<'t> {
     pub pending: Vec<(Module, Arc<str>, Span)>,
     /// The functions of named shapes that depend on nothing but the point, by the place of their `let`.
     pub shape_functions: HashMap<*const (), FunctionId>,
+    /// Where the renderer's coordinates are zero, if that is not the origin.
+    pub origin: Option<glam::DVec3>,
     /// Functions whose result is no number, which cannot become functions of the program.
     pub not_outlined: HashSet<*const Function>,
     /// The functions whose bodies are being evaluated.
@@ -114,6 +116,7 @@ impl<'t> Elaborator<'t> {
             items: HashMap::new(),
             pending: Vec::new(),
             shape_functions: HashMap::new(),
+            origin: None,
             not_outlined: HashSet::new(),
             origins: Vec::new(),
             samples: None,

@@ -32,6 +32,7 @@ const STD: &[(&str, &str)] = &[
 const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/pixel.sdf>", include_str!("../runtime/pixel.sdf")),
     ("<runtime/camera.sdf>", include_str!("../runtime/camera.sdf")),
+    ("<runtime/origin.sdf>", include_str!("../runtime/origin.sdf")),
     ("<runtime/march.sdf>", include_str!("../runtime/march.sdf")),
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),

@@ -6,6 +6,7 @@ use crate::expansion::{OPERATION_LIMIT, Size};
 use crate::import;
 use crate::library::Library;
 use crate::names::Names;
+use crate::solids;
 use crate::surface::Column;
 use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
@@ -103,41 +104,37 @@ impl<'t> Elaborator<'t> {
         };
         self.scene_parts = shapes.clone();
         let settings = self.settings(options)?;
-        let painted = shapes.iter().any(|s| s.painted);
-        let steep = shapes.iter().any(|s| s.steep);
         let place = self.names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
-        let union = Rc::new(Shape {
-            dimension: Dimension::Three,
-            kind: ShapeKind::Union { shapes: shapes.clone() },
-            painted,
-            steep,
-            place,
-        });
+        let union = solids::union_of(shapes.clone(), place);
         match options.attack.unwrap_or(ATTACK) {
             0 => {}
             points => self.attack(&union, points)?,
         }
         let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
-        let thunk = Thunk::Fixed("The distance from a point to the scene.");
-        let map = name_shape(Value::Shape(union), &Arc::from("map"), place, thunk);
-        let glows = self.glows(&shapes)?;
-        let mut summary = self.summary(&settings, &glows, shapes.len());
-        let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
-        let mut fields = settings;
-        fields.push((Arc::from("map"), map.clone()));
-        let empty = self.is_empty(&map)?;
-        if empty {
-            // Its sky is all that is drawn.
-            summary.effects.clear();
-        }
-        fields.push((Arc::from("empty"), Value::bool(empty)));
-        fields.push((Arc::from("glows"), glows));
-        fields.push((Arc::from("resolution"), Value::Number(resolution)));
-        fields.push((Arc::from("faces"), self.faces()?));
-        let scene = Value::record(fields);
+        let count = shapes.len();
+        let origin = self.find_origin(&settings);
+        let query = match origin {
+            Some(_) if options.query => {
+                let (scene, _) = self.renderer(&shapes, settings.clone(), place)?;
+                Some(self.query(&scene)?)
+            }
+            _ => None,
+        };
+        self.origin = origin;
+        let (shapes, settings) = match origin {
+            Some(origin) => {
+                (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?)
+            }
+            None => (shapes, settings),
+        };
+        let (scene, map) = self.renderer(&shapes, settings, place)?;
+        let summary = self.summary(&scene, count);
         let pixel = self.entry("pixel", COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
-        let query = if options.query { Some(self.query(&scene)?) } else { None };
+        let query = match query {
+            None if options.query => Some(self.query(&scene)?),
+            query => query,
+        };
         let certificate = if options.certificate { Some(self.certificate(&scene)?) } else { None };
         let Value::Shape(map) = map else { unreachable!("a shape was named") };
         let map_id = match &map.kind {
@@ -149,30 +146,26 @@ impl<'t> Elaborator<'t> {
         Ok(Made { map: map_id, pixel, probe, query, certificate, facts, summary })
     }
 
-    /// Whether the step of a ray is ever shorter than the distance to a shape.
-    pub fn is_steep(&mut self) -> Eval<bool> {
-        for part in self.scene_parts.clone() {
-            if part.steep && self.slope_of(&part)?.everywhere > 1.0 {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    /// The faces of the box that the scene's shapes lie in, those that are at finite places: each the index of the
-    /// axis that it is across, the side that it is on (1 or -1), and where it is in that direction.
-    fn faces(&mut self) -> Eval<Value<'t>> {
-        let all = self.extent_of_all(&self.scene_parts.clone(), 0.0)?;
-        let all = all.grown(crate::facts::room(&all));
-        let sides = (0..3).flat_map(|axis| [(axis, 1.0, all.hi[axis]), (axis, -1.0, -all.lo[axis])]);
-        let faces = sides.filter(|(_, _, at)| at.is_finite()).map(|(axis, side, at)| {
-            Value::record(vec![
-                (Arc::from("axis"), Value::float(axis as f64)),
-                (Arc::from("side"), Value::float(side)),
-                (Arc::from("at"), Value::float(at)),
-            ])
-        });
-        Ok(Value::list(faces.collect()))
+    /// The record that the renderer takes, and the scene as a shape.
+    fn renderer(
+        &mut self,
+        shapes: &[Rc<Shape<'t>>],
+        settings: Vec<(Arc<str>, Value<'t>)>,
+        place: Span,
+    ) -> Eval<(Value<'t>, Value<'t>)> {
+        let solids = self.solids(shapes, place)?;
+        let map = solids.map.clone();
+        let glows = self.glows(shapes)?;
+        let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
+        let camera = settings.iter().find(|(n, _)| &**n == "camera").map(|(_, v)| v.clone());
+        let camera = camera.unwrap_or_else(|| unreachable!("a scene has a camera"));
+        let mut fields = settings;
+        fields.push((Arc::from("map"), map.clone()));
+        fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
+        fields.push((Arc::from("glows"), glows));
+        fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        fields.extend(self.solid_fields(&solids, &camera)?);
+        Ok((Value::record(fields), map))
     }
 
     /// Whether the distance to a shape is the same everywhere, so that it has no surface.
@@ -202,15 +195,13 @@ impl<'t> Elaborator<'t> {
 
     /// A function of one parameter: the renderer's of this name, with the scene filled in.
     fn entry(&mut self, name: &str, (parameter, ty): (&str, Type), scene: &Value<'t>) -> Eval<FunctionId> {
-        let function = self.names.library.runtime.functions(name).next();
-        let function = function.unwrap_or_else(|| unreachable!("the renderer has a function `{name}`"));
         self.contexts.open(&Arc::from(name), None);
         let argument = self.contexts.entry_parameter(parameter, ty);
         let arguments =
             [(Arc::from("scene"), scene.clone()), (Arc::from(parameter), Value::Number(argument))];
         let results = self
-            .evaluate_body(function, Module::Runtime, &arguments)
-            .and_then(|value| self.flatten(&value, function.name.span));
+            .call_runtime(name, &arguments)
+            .and_then(|value| self.flatten(&value, Span::default()));
         let Ok((_, results)) = results else {
             self.contexts.discard();
             return Err(Reported);
@@ -220,6 +211,13 @@ impl<'t> Elaborator<'t> {
             .map(|n| (self.contexts.value(&n), n.name.unwrap_or_else(|| Arc::from("color"))))
             .collect();
         Ok(self.contexts.finish(results).0)
+    }
+
+    /// What the renderer's function of this name gives for these arguments.
+    pub fn call_runtime(&mut self, name: &str, arguments: &[(Arc<str>, Value<'t>)]) -> Eval<Value<'t>> {
+        let function = self.names.library.runtime.functions(name).next();
+        let function = function.unwrap_or_else(|| unreachable!("the renderer has a function `{name}`"));
+        self.evaluate_body(function, Module::Runtime, arguments)
     }
 
     /// The shapes of the scene block; mistakes in one do not hide those in another.
@@ -323,40 +321,42 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    fn summary(&self, settings: &[(Arc<str>, Value<'t>)], glows: &Value<'t>, shapes: usize) -> Summary {
-        let field = |block: &str, name: &str| -> Option<Value<'t>> {
-            let (_, value) = settings.iter().find(|(n, _)| &**n == block)?;
-            match value {
-                Value::Record(r) => r.get(name).cloned(),
+    fn summary(&self, scene: &Value<'t>, shapes: usize) -> Summary {
+        let Value::Record(scene) = scene else { unreachable!("a scene is a record") };
+        let setting = |name| match scene.get("render") {
+            Some(Value::Record(r)) => match r.get(name) {
+                Some(Value::Number(n)) => self.contexts.setting(n),
                 _ => None,
-            }
-        };
-        let known = |block, name| match field(block, name) {
-            Some(Value::Number(n)) => self.contexts.setting(&n),
+            },
             _ => None,
         };
+        let is_true = |name| scene.get(name).is_some_and(Value::is_true);
         let mut summary = Summary { shapes, ..Summary::default() };
         for name in ["tolerance", "steps", "far"] {
-            if let Some(Constant::Float(x)) = known("render", name) {
+            if let Some(Constant::Float(x)) = setting(name) {
                 summary.settings.push(format!("{name} {x}"));
             }
         }
-        if known("render", "relax") == Some(Constant::Bool(true)) {
+        if is_true("empty") {
+            // Its sky is all that is drawn.
+            return summary;
+        }
+        if setting("relax") == Some(Constant::Bool(true)) && !is_true("hollow") {
             summary.effects.push("relaxation");
         }
-        let lights = settings.iter().find(|(n, _)| &**n == "lights").map(|(_, v)| v);
         for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
-            if matches!(lights, Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft))) {
+            if matches!(scene.get("lights"), Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
+            {
                 summary.effects.push(name);
             }
         }
-        if known("render", "steep") == Some(Constant::Bool(true)) {
+        if is_true("steep") {
             summary.effects.push("step correction");
         }
-        if known("ambient", "occluded") == Some(Constant::Bool(true)) {
+        if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true)) {
             summary.effects.push("occlusion");
         }
-        if matches!(glows, Value::List(l) if !l.items.is_empty()) {
+        if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
             summary.effects.push("glow");
         }
         summary

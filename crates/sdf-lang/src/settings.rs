@@ -514,7 +514,6 @@ impl<'t> Elaborator<'t> {
             (Arc::from("steps"), Value::float(steps)),
             (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(relax == "auto")),
-            (Arc::from("steep"), Value::bool(self.is_steep()?)),
         ]))
     }
 }

@@ -64,11 +64,14 @@ impl<'t> Elaborator<'t> {
                 let point = self.as_local(point);
                 self.distance(shape, &point, span)
             }
+            ShapeKind::Named { thunk: Thunk::Let(_) | Thunk::Call { .. }, inner, .. } if self.is_remote(inner)? => {
+                self.distance(inner, point, span)
+            }
             ShapeKind::Named { name, span: place, thunk, inner } => {
                 self.named_distance(name, *place, thunk, inner, point, span)
             }
             ShapeKind::Field { block, env, origin } => match origin {
-                Some(origin) if point.is_local() && !env.traits().shapes => {
+                Some(origin) if point.is_local() && !env.traits().shapes && !self.is_remote(shape)? => {
                     self.primitive_distance(block, env, origin, point)
                 }
                 _ => self.field_value(block, env, point),

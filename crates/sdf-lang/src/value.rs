@@ -131,6 +131,11 @@ impl<'t> Value<'t> {
         Value::Number(Number::float(x))
     }
 
+    /// Whether it is known to be true.
+    pub fn is_true(&self) -> bool {
+        matches!(self, Value::Number(n) if n.known() == Some(Constant::Bool(true)))
+    }
+
     pub fn bool(x: bool) -> Value<'t> {
         Value::Number(Number::constant(Constant::Bool(x)))
     }

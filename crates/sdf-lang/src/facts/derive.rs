@@ -329,8 +329,29 @@ impl<'t> Elaborator<'t> {
 
     /// Whether a field is the same on both sides of the plane across an axis at `middle`, as far as its operations show.
     pub fn is_even(&mut self, shape: &Rc<Shape<'t>>, axis: usize, middle: f64) -> Eval<bool> {
+        let formula = self.plain_formula(shape)?;
+        let program = &self.contexts.program;
+        Ok(formula.is_some_and(|function| sdf_ir::is_even(program, &function, axis, middle)))
+    }
+
+    /// Whether a field is an affine function of the point, as far as its operations show.
+    pub fn is_affine(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+        let formula = self.plain_formula(shape)?;
+        Ok(formula.is_some_and(|function| sdf_ir::is_affine(&self.contexts.program, &function)))
+    }
+
+    /// A lower bound on a field at these points, for all values of the params and at all times.
+    pub fn least_distance(&mut self, shape: &Rc<Shape<'t>>, points: &Bounds) -> Eval<f64> {
+        let Some(function) = self.plain_formula(shape)? else { return Ok(f64::NEG_INFINITY) };
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        Ok(sdf_ir::interval::bounds(program, &function, &[*points], &uniforms, &globals)[0].number().lo)
+    }
+
+    /// A field as a function of the point alone; nothing if it is made from what an open function computes.
+    fn plain_formula(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Function>> {
         if depends_on_a_point_inside(shape) {
-            return Ok(false);
+            return Ok(None);
         }
         let ty = if shape.dimension == Dimension::Three { Type::Vec3 } else { Type::Vec2 };
         let samples = self.samples.take();
@@ -339,8 +360,7 @@ impl<'t> Elaborator<'t> {
             Ok((vec![this.contexts.value(&distance)], ()))
         });
         self.samples = samples;
-        Ok(made?
-            .is_some_and(|(function, ())| sdf_ir::is_even(&self.contexts.program, &function, axis, middle)))
+        Ok(made?.map(|(function, ())| function))
     }
 
     /// A function of a point, apart from the program; nothing if it needs what an open function computes.

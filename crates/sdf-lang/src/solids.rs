@@ -1,0 +1,136 @@
+//! The scene as rays see it: half spaces, which a ray meets where a division says, and the solids, which it marches to,
+//! with the box that they lie in.
+
+use crate::contract::Quality;
+use crate::eval::{Elaborator, Eval, name_shape};
+use crate::facts::{corner_number, room};
+use crate::scene::parts_of_union;
+use crate::value::{Number, Shape, ShapeKind, Thunk, Value};
+use sdf_syntax::Span;
+use sdf_syntax::tree::Dimension;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// The shapes of a scene, told apart by how a ray meets them.
+pub(crate) struct Solids<'t> {
+    /// Those whose fields are affine.
+    half_spaces: Vec<Rc<Shape<'t>>>,
+    /// The union of the others, if there are any.
+    rest: Option<Rc<Shape<'t>>>,
+    /// The union of all, in the order of the source.
+    pub map: Value<'t>,
+}
+
+impl<'t> Elaborator<'t> {
+    /// Tells the shapes of a scene apart.
+    pub fn solids(&mut self, shapes: &[Rc<Shape<'t>>], place: Span) -> Eval<Solids<'t>> {
+        let mut entries = Vec::new();
+        for shape in shapes {
+            let parts = parts_of_union(shape);
+            let mut is_half_space = Vec::new();
+            for part in &parts {
+                is_half_space.push(self.is_half_space(part)?);
+            }
+            if is_half_space.contains(&true) {
+                entries.extend(parts.into_iter().zip(is_half_space));
+            } else {
+                entries.push((shape.clone(), false));
+            }
+        }
+        let named = |shapes: Vec<Rc<Shape<'t>>>, name: &str, doc| {
+            let shape = Value::Shape(union_of(shapes, place));
+            name_shape(shape, &Arc::from(name), place, Thunk::Fixed(doc))
+        };
+        let all = |wanted: bool| entries.iter().filter(|e| e.1 == wanted).map(|e| e.0.clone()).collect();
+        let (half_spaces, rest): (Vec<_>, Vec<_>) = (all(true), all(false));
+        const MAP: &str = "The distance from a point to the scene.";
+        if half_spaces.is_empty() {
+            let map = named(rest, "map", MAP);
+            let Value::Shape(shape) = &map else { unreachable!("a shape was named") };
+            return Ok(Solids { half_spaces, rest: Some(shape.clone()), map });
+        }
+        if rest.is_empty() {
+            return Ok(Solids { map: named(half_spaces.clone(), "map", MAP), half_spaces, rest: None });
+        }
+        let solids = named(rest, "solids", "The distance from a point to what is not a half space.");
+        let Value::Shape(solids) = solids else { unreachable!("a shape was named") };
+        // Where the source has the half spaces first or last, the map is made from them and the solids; a tie takes
+        // what the source has first.
+        let first = entries.iter().position(|e| !e.1).unwrap_or(0);
+        let last = entries.iter().rposition(|e| !e.1).unwrap_or(0);
+        let mut parts: Vec<Rc<Shape>> = entries.iter().map(|e| e.0.clone()).collect();
+        if entries[first..=last].iter().all(|e| !e.1) {
+            parts.splice(first..=last, [solids.clone()]);
+        }
+        Ok(Solids { half_spaces, rest: Some(solids), map: named(parts, "map", MAP) })
+    }
+
+    /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `solids`, the union of the others,
+    /// unless it is `hollow`, and its box from `lo` to `hi`, if it is `bounded`; whether its field is `steep`; whether the
+    /// eye may be `inside`; and whether a small distance makes a surface near by `sure`.
+    pub fn solid_fields(
+        &mut self,
+        solids: &Solids<'t>,
+        camera: &Value<'t>,
+    ) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
+        let Value::Shape(map) = &solids.map else { unreachable!("a scene is a shape") };
+        let inside = self.may_be_inside(map, camera)?;
+        let rest = solids.rest.clone().unwrap_or_else(|| map.clone());
+        let slope = self.slope_of(&rest)?;
+        let is_exact = slope.quality == Some(Quality::Exact);
+        let corners = self.corners(&rest)?;
+        let [lo, hi] = corners.clone().unwrap_or_else(|| [Number::float(0.0), Number::float(0.0)]);
+        let planes = solids.half_spaces.iter().map(|shape| Value::Shape(shape.clone()));
+        Ok(vec![
+            (Arc::from("planes"), Value::list(planes.collect())),
+            (Arc::from("hollow"), Value::bool(solids.rest.is_none())),
+            (Arc::from("bounded"), Value::bool(corners.is_some())),
+            (Arc::from("lo"), Value::Number(lo)),
+            (Arc::from("hi"), Value::Number(hi)),
+            (Arc::from("steep"), Value::bool(solids.rest.is_some() && slope.everywhere > 1.0)),
+            (Arc::from("inside"), Value::bool(inside)),
+            (Arc::from("sure"), Value::bool(is_exact && !inside)),
+            (Arc::from("solids"), Value::Shape(rest)),
+        ])
+    }
+
+    /// Whether a shape's field is affine. What is bounded has none.
+    fn is_half_space(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+        if self.extent_of(shape, 0.0)?.is_bounded() {
+            return Ok(false);
+        }
+        self.is_affine(shape)
+    }
+
+    /// Whether the eye may be in the scene's solids, for some values of the params and at some times.
+    fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Value<'t>) -> Eval<bool> {
+        let Value::Record(camera) = camera else { unreachable!("a camera is a record") };
+        match (camera.get("eye"), camera.get("orbits")) {
+            (Some(Value::Number(eye)), Some(Value::Number(orbits)))
+                if orbits.known() == Number::constant(sdf_ir::Constant::Bool(false)).known() =>
+            {
+                let eye = self.bounds_of_number(eye);
+                Ok(!(self.least_distance(map, &eye)? > 0.0))
+            }
+            _ => Ok(true),
+        }
+    }
+
+    /// The corners of the box that a shape lies in, far away where it has no end; nothing if it has none at all.
+    fn corners(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<[Number; 2]>> {
+        let extent = self.extent_of(shape, 0.0)?;
+        let extent = extent.grown(room(&extent));
+        let corner = |corner| corner_number(corner, Dimension::Three);
+        Ok((!extent.is_everything()).then(|| [corner(extent.lo), corner(extent.hi)]))
+    }
+}
+
+pub(crate) fn union_of<'t>(shapes: Vec<Rc<Shape<'t>>>, place: Span) -> Rc<Shape<'t>> {
+    Rc::new(Shape {
+        dimension: Dimension::Three,
+        painted: shapes.iter().any(|s| s.painted),
+        steep: shapes.iter().any(|s| s.steep),
+        kind: ShapeKind::Union { shapes },
+        place,
+    })
+}

@@ -122,9 +122,7 @@ impl<'t> Elaborator<'t> {
         };
         self.origin = origin;
         let (shapes, settings) = match origin {
-            Some(origin) => {
-                (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?)
-            }
+            Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
         let (scene, map) = self.renderer(&shapes, settings, place)?;
@@ -199,9 +197,8 @@ impl<'t> Elaborator<'t> {
         let argument = self.contexts.entry_parameter(parameter, ty);
         let arguments =
             [(Arc::from("scene"), scene.clone()), (Arc::from(parameter), Value::Number(argument))];
-        let results = self
-            .call_runtime(name, &arguments)
-            .and_then(|value| self.flatten(&value, Span::default()));
+        let results =
+            self.call_runtime(name, &arguments).and_then(|value| self.flatten(&value, Span::default()));
         let Ok((_, results)) = results else {
             self.contexts.discard();
             return Err(Reported);
@@ -353,7 +350,8 @@ impl<'t> Elaborator<'t> {
         if is_true("steep") {
             summary.effects.push("step correction");
         }
-        if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true)) {
+        if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true))
+        {
             summary.effects.push("occlusion");
         }
         if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {

@@ -64,7 +64,9 @@ impl<'t> Elaborator<'t> {
                 let point = self.as_local(point);
                 self.distance(shape, &point, span)
             }
-            ShapeKind::Named { thunk: Thunk::Let(_) | Thunk::Call { .. }, inner, .. } if self.is_remote(inner)? => {
+            ShapeKind::Named { thunk: Thunk::Let(_) | Thunk::Call { .. }, inner, .. }
+                if self.is_remote(inner)? =>
+            {
                 self.distance(inner, point, span)
             }
             ShapeKind::Named { name, span: place, thunk, inner } => {

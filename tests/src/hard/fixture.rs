@@ -208,6 +208,18 @@ impl Fixture {
 }
 
 impl Subject {
+    /// The same scene with nothing frozen, and the frames in which its params have these values all the same.
+    pub fn thawed(&self, frames: &[Frame]) -> (Subject, Vec<Frame>) {
+        let value = |text: &str| Constant::Float(text.parse().expect("a number"));
+        let params = self.set.iter().map(|(name, text)| (name.clone(), value(text)));
+        let with = |frame: &Frame| {
+            let mut frame = frame.clone();
+            frame.params.extend(params.clone());
+            frame
+        };
+        (Subject { set: Vec::new(), ..self.clone() }, frames.iter().map(with).collect())
+    }
+
     /// The scene, with other texts in the place of some of the compiler's.
     pub fn scene(&self, replaced: &[(String, String)]) -> Scene {
         let options = Options {

@@ -56,7 +56,7 @@ impl Outcome {
         let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
         let frames = fixture.frames(effort);
         let truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&scene, frame)).collect();
-        let judged = |execution: &Execution, program: &Program, every: usize| {
+        let judged = |execution: &Execution, program: &Program, frames: &[Frame], every: usize| {
             let some = frames.iter().zip(&truths).rev().step_by(every);
             let score = |(frame, truth): (&Frame, &Certified)| {
                 truth.score(fixture, &execution.buffers(program, frame))
@@ -66,15 +66,17 @@ impl Outcome {
         let on_drivers = frames.len().div_ceil(DRIVER_FRAMES);
         for (execution, (name, sum)) in executions.iter().zip(&mut self.scores) {
             let every = if matches!(execution, Execution::Interpreter) { 1 } else { on_drivers };
-            let score = judged(execution, &program, every);
+            let score = judged(execution, &program, &frames, every);
             if let Some(complaint) = score.complaint(fixture) {
                 self.complaints += &format!("{}, {name}: {complaint}\n", subject.name);
             }
             *sum = std::mem::take(sum).joined(score);
         }
         if let (Some(twin), Some(sum)) = (twin, &mut self.twin) {
+            let (subject, frames) =
+                if twin.frozen { (subject.clone(), frames.clone()) } else { subject.thawed(&frames) };
             let program = twin_program(&subject.scene(&twin.replaced), twin);
-            *sum = std::mem::take(sum).joined(judged(&Execution::Interpreter, &program, 1));
+            *sum = std::mem::take(sum).joined(judged(&Execution::Interpreter, &program, &frames, 1));
         }
     }
 }

@@ -5,12 +5,15 @@
 use sdf_lang::compiler_files;
 use std::path::PathBuf;
 
-/// A twin by the name that a fixture gives it: a folder, `product` where nothing stands in; then `, unguarded` where the
+/// A twin by the name that a fixture gives it: a folder; `product` where nothing stands in; `uniform` where nothing does
+/// either, but the param that the case freezes is a uniform, so that nothing is folded. Then `, unguarded` where the
 /// operations are the hardware's own, without what makes them total.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Twin {
     /// The texts that stand in for the compiler's files, by their names.
     pub replaced: Vec<(String, String)>,
+    /// Whether what the case freezes is frozen.
+    pub frozen: bool,
     /// Whether operations are made total.
     pub guarded: bool,
 }
@@ -22,7 +25,9 @@ impl Twin {
             Some(folder) => (folder, false),
             None => (name, true),
         };
-        Twin { replaced: if folder == "product" { Vec::new() } else { replaced(folder) }, guarded }
+        let is_folder = !["product", "uniform"].contains(&folder);
+        let replaced = if is_folder { replaced(folder) } else { Vec::new() };
+        Twin { replaced, frozen: folder != "uniform", guarded }
     }
 }
 

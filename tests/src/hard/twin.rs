@@ -1,6 +1,6 @@
 //! Naive twins: a case with a guard taken out. A twin is a folder of `tests/hard/naive/`; each file in it holds functions
-//! that stand in for those of the same name and the same first parameter in the compiler's file of the same name, their
-//! comments and attributes included. What it adds besides is added.
+//! that stand in for those of the same name and parameters in the compiler's file of the same name, their attributes
+//! included. What it adds besides is added.
 
 use sdf_lang::compiler_files;
 use std::path::PathBuf;
@@ -51,9 +51,10 @@ fn put_in(twin: &str, original: &str, naive: &str) -> String {
     let mut items = items(original);
     let mut found = false;
     for (signature, text) in self::items(naive) {
-        match items.iter_mut().find(|(other, _)| !signature.is_empty() && *other == signature) {
+        match items.iter_mut().find(|(other, _)| *other == signature) {
             Some(item) => {
-                item.1 = text;
+                let docs = item.1.split_inclusive('\n').filter(|line| line.starts_with("///"));
+                item.1 = docs.collect::<String>() + &text;
                 found = true;
             }
             None => items.push((signature, text)),
@@ -63,24 +64,33 @@ fn put_in(twin: &str, original: &str, naive: &str) -> String {
     items.into_iter().map(|(_, text)| text).collect()
 }
 
-/// The functions of a text, each from its comments and attributes to the last of its lines, by their names and first
-/// parameters. All lines of a function but the first begin with a space or a closing bracket.
+/// The functions of a text by their names and parameters, each from its comments and attributes to the last of its lines.
+/// All lines of a function but the first begin with a space or a closing bracket.
 fn items(text: &str) -> Vec<(String, String)> {
-    let mut items = vec![(String::new(), String::new())];
-    let mut is_heading = true;
+    let mut items: Vec<(String, String)> = Vec::new();
+    let mut is_heading = false;
     for line in text.split_inclusive('\n') {
-        let begins = line.starts_with(['@', '/']) || line.starts_with("fn ");
-        if begins && !is_heading {
+        let function = line.strip_prefix("fn ");
+        if !is_heading && (function.is_some() || line.starts_with(['@', '/'])) {
             items.push((String::new(), String::new()));
             is_heading = true;
         }
-        let item = items.last_mut().expect("an item");
+        let Some(item) = items.last_mut() else { continue };
         item.1.push_str(line);
-        if let Some(function) = line.strip_prefix("fn ") {
-            let end = function.find([',', ')', '=']).unwrap_or(function.len());
-            item.0 = function[..end].trim().to_owned();
+        if let Some(function) = function {
+            item.0 = signature(function).to_owned();
             is_heading = false;
         }
     }
     items
+}
+
+/// A function's name and parameters: all up to the bracket that closes the first one.
+fn signature(function: &str) -> &str {
+    let mut depth = 0;
+    let end = function.find(|c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ')' && depth == 0
+    });
+    end.map_or(function, |end| &function[..end])
 }

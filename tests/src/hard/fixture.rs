@@ -5,6 +5,7 @@
 //! * `// sweep: NAME = A..B in N`: the same with N values, evenly spaced, both ends included;
 //! * `// size: WxH, WxH`: the pictures' sizes, instead of [`SIZE`];
 //! * `// ambiguous: N %`, `// out of steps: N %`: how many pixels may be so, where the case cannot have as few as others;
+//! * `// normals: rough`: the surface is rough below the tolerance, so that any normal is as good as another;
 //! * `// colour: R, G, B`: all that is seen has this colour;
 //! * `// shadows: exact`: the colour of all surfaces is the vector to the light, and what is lit is certified, too;
 //! * `// also: CLIENT, CLIENT`: where it is run besides the interpreter and lavapipe: `SwiftShader`, `Chromium`;
@@ -53,6 +54,8 @@ pub struct Fixture {
     pub out_of_steps: f64,
     /// Whether the frames are those of a sweep.
     pub is_sweep: bool,
+    /// Whether normals are not judged.
+    pub is_rough: bool,
     /// What is seen everywhere.
     pub colour: Option<[f32; 3]>,
     /// Whether shadows are certified.
@@ -64,12 +67,17 @@ pub struct Fixture {
 }
 
 /// A scene of a fixture.
+///
+/// Where `tests/hard/truth/` has a file of the fixture's name, the truth is found from that: what the scene stands for,
+/// written out, for formulas that jump from cell to cell say too little about regions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Subject {
     /// The name of the fixture, and the value where there are several.
     pub name: String,
     /// What the file holds.
     pub text: String,
+    /// What the truth is found from.
+    pub truth: String,
     /// The param that is frozen, with its value.
     pub set: Vec<(String, String)>,
 }
@@ -104,6 +112,7 @@ impl Fixture {
             ambiguous: AMBIGUOUS,
             out_of_steps: OUT_OF_STEPS,
             is_sweep: false,
+            is_rough: false,
             colour: None,
             shadows: false,
             also: Vec::new(),
@@ -155,6 +164,7 @@ impl Fixture {
                 self.colour = Some(numbers.try_into().ok()?);
             }
             "shadows" => self.shadows = (value == "exact").then_some(true)?,
+            "normals" => self.is_rough = (value == "rough").then_some(true)?,
             "also" => self.also = list(value),
             "twin" => {
                 let (twin, fault) = value.split_once(" shows ")?;
@@ -173,7 +183,9 @@ impl Fixture {
 
     /// Its scenes.
     pub fn subjects(&self) -> Vec<Subject> {
-        let subject = |name, set| Subject { name, text: self.text.clone(), set };
+        let written = folder().join("truth").join(&self.name).with_extension("sdf");
+        let truth = std::fs::read_to_string(written).unwrap_or_else(|_| self.text.clone());
+        let subject = |name, set| Subject { name, text: self.text.clone(), truth: truth.clone(), set };
         match &self.each {
             None => vec![subject(self.name.clone(), Vec::new())],
             Some((param, values)) => {
@@ -220,8 +232,17 @@ impl Subject {
         (Subject { set: Vec::new(), ..self.clone() }, frames.iter().map(with).collect())
     }
 
+    /// The scene that the truth is found from.
+    pub fn truth(&self) -> Scene {
+        self.compiled(&self.truth, &[])
+    }
+
     /// The scene, with other texts in the place of some of the compiler's.
     pub fn scene(&self, replaced: &[(String, String)]) -> Scene {
+        self.compiled(&self.text, replaced)
+    }
+
+    fn compiled(&self, text: &str, replaced: &[(String, String)]) -> Scene {
         let options = Options {
             set: self.set.clone(),
             attack: Some(0),
@@ -230,6 +251,6 @@ impl Subject {
             replaced: replaced.to_vec(),
             ..Options::default()
         };
-        crate::scenes::scene(&self.name, &self.text, &options)
+        crate::scenes::scene(&self.name, text, &options)
     }
 }

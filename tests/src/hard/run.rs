@@ -55,7 +55,8 @@ impl Outcome {
         let scene = subject.scene(&[]);
         let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
         let frames = fixture.frames(effort);
-        let truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&scene, frame)).collect();
+        let truth = subject.truth();
+        let truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
         let judged = |execution: &Execution, program: &Program, frames: &[Frame], every: usize| {
             let some = frames.iter().zip(&truths).rev().step_by(every);
             let score = |(frame, truth): (&Frame, &Certified)| {

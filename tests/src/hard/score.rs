@@ -101,11 +101,12 @@ impl Certified {
         let ((ray, truth), pixel) = (&self.rays[i], &seen.pixels[i]);
         let found = Found { depth: pixel.depth, normal: pixel.normal, lost: pixel.lost };
         let mut score = Score { pixels: 1, ..Score::default() };
-        let verdict = if is_finite(pixel) { prover.judge(ray, truth, &found) } else { Verdict::NotFinite };
+        let verdict = if is_finite(pixel) { judged(prover, ray, truth, found) } else { Verdict::NotFinite };
         match verdict {
             Verdict::RightMiss => score.certified = 1,
             Verdict::RightHit { late, normal, .. } => {
                 score.certified = 1;
+                let normal = if fixture.is_rough { 0.0 } else { normal };
                 score.late = late.unwrap_or(0.0);
                 score.turn = normal;
                 score.late_hits = usize::from(score.late > LATE);
@@ -175,6 +176,18 @@ impl Certified {
             Truth::Miss => Light::Lit,
             Truth::Ambiguous { .. } => Light::Unknown,
         }
+    }
+}
+
+/// Judges what was found. The normal is that of the side that is seen, which from inside is not the field's.
+fn judged(prover: &mut Prover, ray: &Ray, truth: &Truth, found: Found) -> Verdict {
+    let verdict = prover.judge(ray, truth, &found);
+    let faces_eye = dot(found.normal.map(f64::from), ray.direction) <= 0.0;
+    match verdict {
+        Verdict::RightHit { normal, .. } if normal > 90.0 && faces_eye => {
+            prover.judge(ray, truth, &Found { normal: found.normal.map(|x| -x), ..found })
+        }
+        _ => verdict,
     }
 }
 

@@ -179,14 +179,18 @@ impl Certified {
     }
 }
 
-/// Judges what was found. The normal is that of the side that is seen, which from inside is not the field's.
+/// Judges what was found. The normal is that of the side that is seen: from inside it is not the field's, and a sheet
+/// without thickness has both.
 fn judged(prover: &mut Prover, ray: &Ray, truth: &Truth, found: Found) -> Verdict {
     let verdict = prover.judge(ray, truth, &found);
     let faces_eye = dot(found.normal.map(f64::from), ray.direction) <= 0.0;
-    match verdict {
-        Verdict::RightHit { normal, .. } if normal > 90.0 && faces_eye => {
-            prover.judge(ray, truth, &Found { normal: found.normal.map(|x| -x), ..found })
-        }
+    let Verdict::RightHit { normal, .. } = verdict else { return verdict };
+    if normal <= TURN || !faces_eye {
+        return verdict;
+    }
+    let other = prover.judge(ray, truth, &Found { normal: found.normal.map(|x| -x), ..found });
+    match other {
+        Verdict::RightHit { normal: turned, .. } if turned < normal => other,
         _ => verdict,
     }
 }

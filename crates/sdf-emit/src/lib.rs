@@ -70,7 +70,7 @@ pub enum EmitError {
     },
     /// A number that no `f32` holds.
     NotFinite,
-    /// The entry is missing, or is no function from a vec2 to a vec3.
+    /// The entry is missing, or is no function from a vec2 to a vec3, with or without a bool or a float beside it.
     NoEntry,
     /// The function returns nothing.
     NoResult {
@@ -114,15 +114,17 @@ fn print(program: &Program, target: Target, header: &Header) -> Result<String, E
     let entry = program.entry.ok_or(EmitError::NoEntry)?;
     let function = program.function(entry);
     let takes: Vec<Type> = function.parameters.iter().map(|p| p.ty).collect();
-    if takes != [Type::Vec2] || function.result_types() != [Type::Vec3] {
+    let yields = function.result_types();
+    if takes != [Type::Vec2] || !matches!(yields[..], [Type::Vec3] | [Type::Vec3, Type::Bool | Type::Float]) {
         return Err(EmitError::NoEntry);
     }
     let symbols = Symbols::of(program, target);
     let roots: Vec<FunctionId> = program.frame.into_iter().chain([entry]).collect();
     let (functions, loops) = functions(program, target, &symbols, &roots)?;
     let name = |id: FunctionId| symbols.functions[id.0 as usize].as_str();
-    let wrapper =
-        Wrapper { program, symbols: &symbols, loops, frame: program.frame.map(name), entry: name(entry) };
+    let outcome = symbols.structures[entry.0 as usize].as_ref();
+    let frame = program.frame.map(name);
+    let wrapper = Wrapper { program, symbols: &symbols, loops, frame, entry: name(entry), outcome };
     let body = globals(program, target, &symbols).into_iter().chain(functions).collect::<Vec<_>>().join("\n");
     let parts = [head(target, header, &wrapper), wrapper.before(target), body, wrapper.after(target)];
     Ok(parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n"))

@@ -4,7 +4,7 @@ use crate::Target;
 use crate::dialect::GLSL;
 use crate::expression::Expression;
 use crate::layout::UniformLayout;
-use crate::symbols::Symbols;
+use crate::symbols::{Structure, Symbols};
 use sdf_ir::{Constant, Program, Role, Type, Uniform};
 use std::fmt::Write;
 
@@ -20,6 +20,8 @@ pub(crate) struct Wrapper<'a> {
     pub frame: Option<&'a str>,
     /// The function from a coordinate to a colour.
     pub entry: &'a str,
+    /// What it returns, if there is something beside the colour.
+    pub outcome: Option<&'a Structure>,
 }
 
 impl Wrapper<'_> {
@@ -41,21 +43,30 @@ impl Wrapper<'_> {
     /// The text after the functions.
     pub fn after(&self, target: Target) -> String {
         let frame = self.frame.map_or(String::new(), |frame| format!("    {frame}();\n"));
-        let entry = self.entry;
+        let pixel = |coordinate: &str| self.pixel(target, coordinate);
         match target {
-            Target::Shadertoy => format!(
-                "void mainImage(out vec4 fragColor, in vec2 fragCoord) {{\n{frame}    \
-                 fragColor = vec4({entry}(fragCoord), 1.0);\n}}\n"
-            ),
-            Target::GlslEs => {
-                format!("void main() {{\n{frame}    fragColor = vec4({entry}(gl_FragCoord.xy), 1.0);\n}}\n")
+            Target::Shadertoy => {
+                let (call, color) = pixel("fragCoord");
+                format!(
+                    "void mainImage(out vec4 fragColor, in vec2 fragCoord) {{\n{frame}{call}    \
+                     fragColor = {color};\n}}\n"
+                )
             }
-            Target::Glsl450 => format!(
-                "void main() {{\n{frame}    vec2 fragCoord = vec2(gl_FragCoord.x, u_resolution.y - gl_FragCoord.y);\n    \
-                 fragColor = vec4({entry}(fragCoord), 1.0);\n}}\n"
-            ),
-            Target::Wgsl => format!(
-                "@vertex
+            Target::GlslEs => {
+                let (call, color) = pixel("gl_FragCoord.xy");
+                format!("void main() {{\n{frame}{call}    fragColor = {color};\n}}\n")
+            }
+            Target::Glsl450 => {
+                let (call, color) = pixel("fragCoord");
+                format!(
+                    "void main() {{\n{frame}    vec2 fragCoord = vec2(gl_FragCoord.x, u_resolution.y - gl_FragCoord.y);\n\
+                     {call}    fragColor = {color};\n}}\n"
+                )
+            }
+            Target::Wgsl => {
+                let (call, color) = pixel("coordinate");
+                format!(
+                    "@vertex
 fn vs_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {{
     let corner = vec2f(f32(index & 1u), f32(index >> 1u));
     return vec4f(corner * 4.0 - 1.0, 0.0, 1.0);
@@ -64,11 +75,26 @@ fn vs_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {{
 @fragment
 fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
 {frame}    let coordinate = vec2f(position.x, uniforms.resolution.y - position.y);
-    return vec4f({entry}(coordinate), 1.0);
+{call}    return {color};
 }}
 "
-            ),
+                )
+            }
         }
+    }
+
+    /// What calls the entry beforehand, and the vector of four that a pixel becomes: the colour, and 1 or what the
+    /// entry yields beside it.
+    fn pixel(&self, target: Target, coordinate: &str) -> (String, String) {
+        let dialect = target.dialect();
+        let vector = if target == Target::Wgsl { "vec4f" } else { "vec4" };
+        let call = format!("{}({coordinate})", self.entry);
+        let Some(Structure { name, fields }) = self.outcome else {
+            return (String::new(), format!("{vector}({call}, 1.0)"));
+        };
+        let call = format!("    {}\n", (dialect.bind)(name, "outcome", &call));
+        let beside = format!("{}(outcome.{})", dialect.float, fields[1]);
+        (call, format!("{vector}(outcome.{}, {beside})", fields[0]))
     }
 
     fn wgsl_block(&self) -> String {

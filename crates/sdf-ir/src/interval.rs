@@ -7,6 +7,7 @@
 //! [`legalise`](crate::total::legalise).
 
 mod bounds;
+mod cases;
 mod chain;
 mod domain;
 mod functions;
@@ -30,6 +31,7 @@ pub use slopes::{Sloped, Slopes};
 
 use crate::number::LARGEST;
 use crate::program::{Function, Program, RegionId, Role, Type, Unary, Uniform};
+use cases::Cases;
 use plan::Plan;
 use walk::{Frame, Walk};
 
@@ -71,6 +73,22 @@ impl<'p, D: Domain> Walker<'p, D> {
         let results = &self.function.root().results;
         self.results.extend(results.iter().map(|v| self.frame.values[v.0 as usize]));
         &self.results
+    }
+}
+
+impl Walker<'_, Bounds> {
+    /// Where the results lie for these arguments. Where the region holds the border between two answers of a step or a
+    /// comparison, which the plain [`run`](Walker::run) mixes, each is taken by itself, up to `most` borders.
+    pub fn run_by_cases(&mut self, arguments: &[Bounds], most: usize) -> Vec<Bounds> {
+        self.walk.cases = Some(Cases::new(most));
+        let mut all = self.run(arguments).to_vec();
+        while self.walk.cases.as_mut().is_some_and(Cases::advance) {
+            for (all, result) in all.iter_mut().zip(self.run(arguments)) {
+                *all = all.hull(result);
+            }
+        }
+        self.walk.cases = None;
+        all
     }
 }
 

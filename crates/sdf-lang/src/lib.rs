@@ -38,6 +38,7 @@ mod solids;
 mod stride;
 mod surface;
 mod value;
+mod view;
 mod vocabulary;
 mod walk;
 
@@ -47,6 +48,7 @@ pub use import::{Imports, Loader, Location, Refusal, Texts};
 pub use kind::{Kind, kind_of};
 pub use library::{compiler_files, parsed_functions};
 pub use reference::{Entry, Form, Parameter, Section, reference};
+pub use view::View;
 pub use vocabulary::{Vocabulary, vocabulary};
 
 use sdf_ir::{Constant, FunctionId, Program};
@@ -84,6 +86,8 @@ pub struct Options {
     pub query: bool,
     /// Whether the scene is to have what a [`Certificate`] is made from.
     pub certificate: bool,
+    /// What the scene is drawn as, where that is no text for others.
+    pub view: Option<View>,
     /// How the files that the scene imports are found and read.
     pub imports: Imports,
     /// Files of the compiler for which others stand in, by their names as in `march.sdf`, with their texts: so a test
@@ -117,9 +121,13 @@ impl Compilation {
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The program, simplified; its operations are total by the language's meaning, not yet by the hardware's.
-    /// Its entry is `pixel(coordinate: vec2) → color: vec3`, in pixels from the bottom left and in sRGB.
+    /// Its entry is `pixel(coordinate: vec2) → color: vec3`, in pixels from the bottom left and in sRGB; with an
+    /// [`Options::view`] it has one more result, which [`View`] tells.
     pub program: Program,
-    /// `map(p: vec3) → distance` of the whole scene; a scene that is nothing has none.
+    /// Where the coordinates of `map` and of the certificate are zero: a place near the camera if that stands far from
+    /// the origin, else the origin.
+    pub origin: [f64; 3],
+    /// `map(p: vec3) → distance` of the whole scene, `p` relative to `origin`; a scene that is nothing has none.
     pub map: Option<FunctionId>,
     /// `probe(coordinate: vec2) → depth: float, normal: vec3, color: vec3, light: vec3, steps: float, lost: float` of
     /// what a pixel shows, if it was asked for: the distance from the eye (-1 where there is nothing), the surface's

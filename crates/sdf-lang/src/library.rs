@@ -36,6 +36,7 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/march.sdf>", include_str!("../runtime/march.sdf")),
     ("<runtime/light.sdf>", include_str!("../runtime/light.sdf")),
     ("<runtime/glow.sdf>", include_str!("../runtime/glow.sdf")),
+    ("<runtime/view.sdf>", include_str!("../runtime/view.sdf")),
     ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
     ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
     ("<runtime/certificate.sdf>", include_str!("../runtime/certificate.sdf")),

@@ -13,7 +13,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// How many times farther than its target the origin is from an eye that is far from the origin.
-const FAR: f64 = 8.0;
+const FAR: f64 = 64.0;
 
 /// How many times its size a shape is away from the origin if its numbers stand for a place.
 const REMOTE: f64 = 64.0;

@@ -8,7 +8,8 @@ use crate::library::Library;
 use crate::names::Names;
 use crate::solids;
 use crate::surface::Column;
-use crate::value::{Env, Module, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::view::View;
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
@@ -49,7 +50,7 @@ pub(crate) fn elaborate(
             let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
             let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
             let (facts, summary) = (made.facts, made.summary);
-            Scene { map, probe, query, certificate, program, facts, summary }
+            Scene { origin: made.origin, map, probe, query, certificate, program, facts, summary }
         });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -81,6 +82,7 @@ const POINT: (&str, Type) = ("p", Type::Vec3);
 
 /// The functions of a scene, in the program that is being made.
 struct Made {
+    origin: [f64; 3],
     map: Option<FunctionId>,
     pixel: FunctionId,
     probe: Option<FunctionId>,
@@ -115,7 +117,7 @@ impl<'t> Elaborator<'t> {
         let origin = self.find_origin(&settings);
         let query = match origin {
             Some(_) if options.query => {
-                let (scene, _) = self.renderer(&shapes, settings.clone(), place)?;
+                let (scene, _) = self.renderer(&shapes, settings.clone(), None, place)?;
                 Some(self.query(&scene)?)
             }
             _ => None,
@@ -125,9 +127,10 @@ impl<'t> Elaborator<'t> {
             Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
-        let (scene, map) = self.renderer(&shapes, settings, place)?;
-        let summary = self.summary(&scene, count);
-        let pixel = self.entry("pixel", COORDINATE, &scene)?;
+        let (scene, map) = self.renderer(&shapes, settings, options.view, place)?;
+        let lit = options.view.is_none_or(View::is_lit);
+        let summary = self.summary(&scene, count, lit);
+        let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
         let query = match query {
             None if options.query => Some(self.query(&scene)?),
@@ -141,7 +144,8 @@ impl<'t> Elaborator<'t> {
             }
             _ => None,
         };
-        Ok(Made { map: map_id, pixel, probe, query, certificate, facts, summary })
+        let origin = self.origin.unwrap_or_default().to_array();
+        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, summary })
     }
 
     /// The record that the renderer takes, and the scene as a shape.
@@ -149,6 +153,7 @@ impl<'t> Elaborator<'t> {
         &mut self,
         shapes: &[Rc<Shape<'t>>],
         settings: Vec<(Arc<str>, Value<'t>)>,
+        view: Option<View>,
         place: Span,
     ) -> Eval<(Value<'t>, Value<'t>)> {
         let solids = self.solids(shapes, place)?;
@@ -163,6 +168,9 @@ impl<'t> Elaborator<'t> {
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         fields.extend(self.solid_fields(&solids, &camera)?);
+        if view == Some(View::Depth) {
+            fields.push((Arc::from("ball"), self.ball_record()));
+        }
         Ok((Value::record(fields), map))
     }
 
@@ -300,6 +308,16 @@ impl<'t> Elaborator<'t> {
         crate::framing::ball(self, &parts)
     }
 
+    /// [`Elaborator::scene_ball`] as the record that the renderer takes.
+    fn ball_record(&mut self) -> Value<'t> {
+        let (center, radius) = self.scene_ball();
+        let center = center - self.origin.unwrap_or_default();
+        Value::record(vec![
+            (Arc::from("center"), Value::Number(Number::constant(Constant::Vec3(center.to_array())))),
+            (Arc::from("radius"), Value::float(radius)),
+        ])
+    }
+
     /// Every `--set` must name a param of the file.
     fn check_overrides(&mut self, options: &Options) {
         for (name, _) in &options.set {
@@ -318,7 +336,8 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    fn summary(&self, scene: &Value<'t>, shapes: usize) -> Summary {
+    /// What is compiled in; `lit` says whether light is.
+    fn summary(&self, scene: &Value<'t>, shapes: usize, lit: bool) -> Summary {
         let Value::Record(scene) = scene else { unreachable!("a scene is a record") };
         let setting = |name| match scene.get("render") {
             Some(Value::Record(r)) => match r.get(name) {
@@ -341,14 +360,17 @@ impl<'t> Elaborator<'t> {
         if setting("relax") == Some(Constant::Bool(true)) && !is_true("hollow") {
             summary.effects.push("relaxation");
         }
+        if is_true("steep") {
+            summary.effects.push("step correction");
+        }
+        if !lit {
+            return summary;
+        }
         for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
             if matches!(scene.get("lights"), Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
             {
                 summary.effects.push(name);
             }
-        }
-        if is_true("steep") {
-            summary.effects.push("step correction");
         }
         if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true))
         {

@@ -5,9 +5,10 @@
 //! beside a twisted column still takes whole steps. Where nothing is steep, a step is the distance itself.
 
 use crate::context::Op;
+use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
-use crate::facts::{Gain, corner_number, parts};
+use crate::facts::{Gain, Stated, corner_number, parts};
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Ternary, Type, Unary};
@@ -82,6 +83,10 @@ impl<'t> Elaborator<'t> {
             ShapeKind::Union { shapes } if shapes.len() == 1 => {
                 self.distance_of_parts(&shapes[0], point, span)
             }
+            _ if shape.steep => match self.moved(shape, point)? {
+                Some((moved, place)) => self.distance_of_parts(&moved, &place, span),
+                None => self.sample(shape, point, span),
+            },
             _ => self.sample(shape, point, span),
         }
     }
@@ -106,6 +111,9 @@ impl<'t> Elaborator<'t> {
                 Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[condition.clone(), a, b]))
             }
             _ => {
+                if let Some((moved, place)) = self.moved(shape, point)? {
+                    return self.safe_step(&moved, &place, span);
+                }
                 let slope = self.require_slope(shape)?;
                 let distance = self.sample(shape, point, span)?;
                 if slope.everywhere <= 1.0 {
@@ -122,6 +130,19 @@ impl<'t> Elaborator<'t> {
                 let slope = self.slope(shape, point, &distance, span)?;
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
+        }
+    }
+
+    /// The shape that is only moved, turned or mirrored to make this one, and the point as it sees it: a step there is
+    /// a step here.
+    fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<(Rc<Shape<'t>>, Number)>> {
+        let is_rigid = |stated: &Stated| matches!(stated.contract.quality, Some((Quality::Exact, _)));
+        match &shape.kind {
+            ShapeKind::Named { inner, .. } => self.moved(inner, point),
+            ShapeKind::Field { block, env, .. } if self.stated(shape).as_ref().is_some_and(is_rigid) => {
+                self.only_sample(|this| this.field_value(block, env, point))
+            }
+            _ => Ok(None),
         }
     }
 

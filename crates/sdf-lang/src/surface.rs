@@ -280,6 +280,19 @@ impl<'t> Elaborator<'t> {
         result.map(|_| samples.into_iter().map(|s| (s.shape, s.point, s.distance)).collect())
     }
 
+    /// The shape that a formula is, elsewhere: where it gives nothing but one distance that it samples.
+    pub fn only_sample(
+        &mut self,
+        formula: impl FnOnce(&mut Self) -> Eval<Number>,
+    ) -> Eval<Option<(Rc<Shape<'t>>, Number)>> {
+        let (result, samples) = self.open_formula("sample", formula)?;
+        self.contexts.discard();
+        Ok(match <[Sample; 1]>::try_from(samples) {
+            Ok([only]) if only.stand_in == result => Some((only.shape, only.point)),
+            _ => None,
+        })
+    }
+
     /// A field's formula as a function of what it uses, and the nodes that the innermost function passes for it; and
     /// what it samples: each shape, where, and what stands for the distance in the formula.
     #[expect(clippy::type_complexity, reason = "each part has one meaning, which the sentence above says")]

@@ -4,7 +4,7 @@
 //! [`legalise`](sdf_ir::legalise).
 
 use crate::frame::Frame;
-use crate::image::{Picture, quantise};
+use crate::image::{Drawn, Picture, quantise};
 use rayon::prelude::*;
 use sdf_ir::eval::{Counts, Machine, Tape};
 use sdf_ir::{Constant, Program, Type};
@@ -16,22 +16,22 @@ const TILE: u32 = 8;
 /// The picture of a program whose entry is `pixel(coordinate: vec2) -> vec3`: from the centre of a pixel, in pixels
 /// from the bottom left, to its colour, encoded as sRGB.
 pub fn render(program: &Program, frame: &Frame) -> Picture {
-    render_with(program, frame, false, |_| {}).0
+    render_with(program, frame, false, |_| {}).0.picture
 }
 
 /// [`render`], which calls `progress` with the part that is done, 0 to 1, after each tile of rows, from any thread,
-/// and counts what was evaluated if `counting` is set.
+/// and counts what was evaluated if `counting` is set. The entry may yield a bool or a float beside the colour.
 pub fn render_with(
     program: &Program,
     frame: &Frame,
     counting: bool,
     progress: impl Fn(f64) + Sync,
-) -> (Picture, Counts) {
+) -> (Drawn, Counts) {
     let entry = program.entry.expect("a program to render has an entry");
     let pixel = program.function(entry);
     let parameters: Vec<Type> = pixel.parameters.iter().map(|p| p.ty).collect();
     assert_eq!(parameters, [Type::Vec2], "the entry takes a coordinate");
-    assert_eq!(pixel.result_types(), [Type::Vec3], "the entry yields a colour");
+    assert_eq!(pixel.result_types()[0], Type::Vec3, "the entry yields a colour");
     let tape = if counting { Tape::compile_counting(program, entry) } else { Tape::compile(program, entry) };
     let uniforms = frame.uniforms(program);
 
@@ -40,36 +40,37 @@ pub fn render_with(
     let tiles = frame.height.div_ceil(TILE);
     let done = AtomicU32::new(0);
     let paint = |(i, rows): (usize, &mut [u8])| {
-        let counts = tile(&tape, &uniforms, frame, i as u32 * TILE, rows);
+        let painted = tile(&tape, &uniforms, frame, i as u32 * TILE, rows);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress(f64::from(done) / f64::from(tiles));
-        counts
-    };
-    let sum = |mut a: Counts, b: Counts| {
-        a.add(&b);
-        a
+        painted
     };
     let rows = picture.rgba.par_chunks_mut((row_bytes * TILE as usize).max(1));
-    let counts = rows.enumerate().map(paint).reduce(Counts::default, sum);
-    (picture, counts)
+    let painted: Vec<(Vec<f32>, Counts)> = rows.enumerate().map(paint).collect();
+    let (mut beside, mut counts) = (Vec::new(), Counts::default());
+    for (of_tile, counts_of_tile) in painted {
+        beside.extend(of_tile);
+        counts.add(&counts_of_tile);
+    }
+    (Drawn { picture, beside }, counts)
 }
 
-/// Paints the rows from `top` on, counted from the top.
-fn tile(tape: &Tape, uniforms: &[Constant], frame: &Frame, top: u32, rgba: &mut [u8]) -> Counts {
+/// Paints the rows from `top` on, counted from the top; what stands beside the colours, and what was evaluated.
+fn tile(tape: &Tape, uniforms: &[Constant], frame: &Frame, top: u32, rgba: &mut [u8]) -> (Vec<f32>, Counts) {
     let (x, y): (Vec<f32>, Vec<f32>) = (0..rgba.len() as u32 / 4)
         .map(|i| (i % frame.width, top + i / frame.width))
         .map(|(column, row)| (column as f32 + 0.5, (frame.height - 1 - row) as f32 + 0.5))
         .unzip();
-    let mut colour = [vec![0.0f32; x.len()], vec![0.0; x.len()], vec![0.0; x.len()]];
+    let mut channels = vec![vec![0.0f32; x.len()]; tape.output_count()];
     let mut machine = Machine::<f32>::new(tape);
     machine.set_uniforms(uniforms);
-    machine.run(&[&x, &y], &mut colour.each_mut().map(Vec::as_mut_slice));
+    machine.run(&[&x, &y], &mut channels.iter_mut().map(Vec::as_mut_slice).collect::<Vec<_>>());
     for (i, pixel) in rgba.chunks_exact_mut(4).enumerate() {
-        for (byte, channel) in pixel.iter_mut().zip(&colour) {
+        for (byte, channel) in pixel.iter_mut().zip(&channels[..3]) {
             *byte = quantise(channel[i]);
         }
     }
-    machine.counts().clone()
+    (channels.split_off(3).pop().unwrap_or_default(), machine.counts().clone())
 }
 
 #[cfg(test)]

@@ -180,6 +180,32 @@ impl Gpu {
     pub fn render(
         &self,
         shader: Shader,
+        size: [u32; 2],
+        uniforms: &[u8],
+        tile: u32,
+        progress: &mut (dyn FnMut(u32, u32) + Send),
+    ) -> Result<Vec<u8>, GpuError> {
+        self.render_as(wgpu::TextureFormat::Rgba8Unorm, shader, size, uniforms, tile, progress)
+    }
+
+    /// [`Gpu::render`] with four floats for each pixel, as the shader gives them.
+    pub fn render_floats(
+        &self,
+        shader: Shader,
+        size: [u32; 2],
+        uniforms: &[u8],
+        tile: u32,
+        progress: &mut (dyn FnMut(u32, u32) + Send),
+    ) -> Result<Vec<f32>, GpuError> {
+        let format = wgpu::TextureFormat::Rgba32Float;
+        let bytes = self.render_as(format, shader, size, uniforms, tile, progress)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    fn render_as(
+        &self,
+        format: wgpu::TextureFormat,
+        shader: Shader,
         [width, height]: [u32; 2],
         uniforms: &[u8],
         tile: u32,
@@ -194,10 +220,10 @@ impl Gpu {
         }
         deep(|| {
             let layout = self.layout(wgpu::ShaderStages::FRAGMENT, &[wgpu::BufferBindingType::Uniform])?;
-            let pipeline = self.render_pipeline(shader, &layout)?;
+            let pipeline = self.render_pipeline(shader, format, &layout)?;
             let block = self.buffer("the uniforms", wgpu::BufferUsages::UNIFORM, uniforms)?;
             let group = self.bind_group(&layout, &[&block])?;
-            let texture = self.texture(width, height)?;
+            let texture = self.texture(format, width, height)?;
             let (columns, rows) = (width.div_ceil(tile.max(1)), height.div_ceil(tile.max(1)));
             for i in 0..columns * rows {
                 let [x, y] = [i % columns * tile, i / columns * tile];
@@ -361,6 +387,7 @@ impl Gpu {
     fn render_pipeline(
         &self,
         shader: Shader,
+        format: wgpu::TextureFormat,
         layout: &wgpu::BindGroupLayout,
     ) -> Result<wgpu::RenderPipeline, GpuError> {
         let fragment = self.shader(shader, wgpu::naga::ShaderStage::Fragment)?;
@@ -370,7 +397,7 @@ impl Gpu {
             Shader::SpirV { .. } => (self.shader(shader, wgpu::naga::ShaderStage::Vertex)?, "fs_main"),
         };
         let layout = self.pipeline_layout(layout)?;
-        let targets = [Some(wgpu::TextureFormat::Rgba8Unorm.into())];
+        let targets = [Some(format.into())];
         let descriptor = wgpu::RenderPipelineDescriptor {
             label: None,
             layout: Some(&layout),
@@ -436,14 +463,19 @@ impl Gpu {
         self.guarded(doing, || self.device.create_buffer(&descriptor))
     }
 
-    fn texture(&self, width: u32, height: u32) -> Result<wgpu::Texture, GpuError> {
+    fn texture(
+        &self,
+        format: wgpu::TextureFormat,
+        width: u32,
+        height: u32,
+    ) -> Result<wgpu::Texture, GpuError> {
         let descriptor = wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
+            format,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         };
@@ -510,9 +542,10 @@ impl Gpu {
     /// The bytes of a picture without gaps, some rows at a time.
     fn read_texture(&self, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
         let (width, height) = (texture.width(), texture.height());
-        let row = (4 * width).next_multiple_of(ROW);
+        let pixel = texture.format().block_copy_size(None).expect("a format of colours has one size");
+        let row = (pixel * width).next_multiple_of(ROW);
         let band = (BAND / row).max(1);
-        let mut pixels = Vec::with_capacity(4 * width as usize * height as usize);
+        let mut pixels = Vec::with_capacity(pixel as usize * width as usize * height as usize);
         for top in (0..height).step_by(band as usize) {
             let rows = band.min(height - top);
             let bytes = self.read_buffer(u64::from(row) * u64::from(rows), |encoder, to| {
@@ -534,7 +567,7 @@ impl Gpu {
                     wgpu::Extent3d { width, height: rows, depth_or_array_layers: 1 },
                 );
             })?;
-            pixels.extend(bytes.chunks(row as usize).flat_map(|row| &row[..4 * width as usize]));
+            pixels.extend(bytes.chunks(row as usize).flat_map(|row| &row[..(pixel * width) as usize]));
         }
         Ok(pixels)
     }

@@ -42,6 +42,32 @@ impl Picture {
     }
 }
 
+/// A picture as it was drawn, with what its program yields beside the colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The colours; opaque.
+    pub picture: Picture,
+    /// A number for each pixel, row by row from the top, a bool as 0 or 1; none where the program yields colours alone.
+    pub beside: Vec<f32>,
+}
+
+impl Drawn {
+    /// What render targets of 8 bits a channel hold, with bools in the fourth channel.
+    pub fn from_bytes(width: u32, height: u32, mut rgba: Vec<u8>) -> Drawn {
+        let fourth = rgba.iter_mut().skip(3).step_by(4);
+        let beside = fourth.map(|byte| f32::from(std::mem::replace(byte, 255) / 255)).collect();
+        Drawn { picture: Picture { width, height, rgba }, beside }
+    }
+
+    /// What render targets of floats hold, with numbers in the fourth channel.
+    pub fn from_floats(width: u32, height: u32, floats: &[f32]) -> Drawn {
+        let pixels = floats.chunks_exact(4);
+        let rgba =
+            pixels.clone().flat_map(|p| [quantise(p[0]), quantise(p[1]), quantise(p[2]), 255]).collect();
+        Drawn { picture: Picture { width, height, rgba }, beside: pixels.map(|p| p[3]).collect() }
+    }
+}
+
 /// A channel in 0..1 as a render target of 8 bits stores it.
 pub fn quantise(channel: f32) -> u8 {
     (channel.clamp(0.0, 1.0) * 255.0 + 0.5).floor() as u8

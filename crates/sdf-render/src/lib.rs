@@ -13,4 +13,4 @@ pub mod gpu;
 pub mod image;
 
 pub use frame::Frame;
-pub use image::Picture;
+pub use image::{Drawn, Picture};

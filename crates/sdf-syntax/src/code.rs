@@ -84,6 +84,7 @@ codes! {
     W002 "a param that can break what is required"
     W003 "an angle that looks like degrees"
     W004 "a field so steep that rays take very small steps"
+    W005 "rays that ran out of steps"
 }
 
 impl Code {

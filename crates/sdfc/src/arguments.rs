@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use anstream::stream::RawStream;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use sdfc::{Device, FileLoader, Format, Language, Options, Target, reason};
+use sdfc::{Device, FileLoader, Format, Language, Options, Target, View, reason};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -114,6 +114,9 @@ pub struct RenderArguments {
     /// What draws: `auto`, `gpu`, `cpu`, or a part of a graphics device's name
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
     pub device: Device,
+    /// Draw something else than the picture, to see why it is as it is
+    #[arg(long, value_name = "VIEW")]
+    pub view: Option<ViewName>,
     /// In which language a graphics device is given the shader
     #[arg(long, value_name = "LANGUAGE", default_value = "wgsl", hide = true)]
     pub shader: ShaderLanguage,
@@ -131,6 +134,13 @@ pub struct CheckArguments {
     /// The scenes; `-` reads standard input
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
+    /// Prove by interval arithmetic what each ray meets, and judge what the march finds: for all values of params and
+    /// several times
+    #[arg(long)]
+    pub certify: bool,
+    /// The size of the pictures that are judged, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "64x36", value_parser = size, requires = "certify")]
+    pub size: (u32, u32),
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
@@ -323,6 +333,33 @@ impl From<ShaderLanguage> for Language {
             ShaderLanguage::Wgsl => Language::Wgsl,
             ShaderLanguage::Glsl => Language::Glsl,
             ShaderLanguage::Spirv => Language::SpirV,
+        }
+    }
+}
+
+/// What can be drawn instead of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ViewName {
+    /// Grey by the distance from the eye
+    Depth,
+    /// The direction of the surface, as a colour
+    Normal,
+    /// How many steps each ray takes
+    Steps,
+    /// How far from the surface rays end
+    Error,
+    /// The colours of the surfaces, without light
+    Material,
+}
+
+impl From<ViewName> for View {
+    fn from(name: ViewName) -> View {
+        match name {
+            ViewName::Depth => View::Depth,
+            ViewName::Normal => View::Normal,
+            ViewName::Steps => View::Steps,
+            ViewName::Error => View::Error,
+            ViewName::Material => View::Material,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `sdfc check scene.sdf…`
 
 use crate::arguments::CheckArguments;
+use crate::certify;
 use crate::compile::shader;
 use crate::failure::Failure;
 use crate::input;
@@ -55,7 +56,8 @@ fn check(
             return Err(failure);
         }
     };
-    let options = Options { attack: Some(ATTACK), ..arguments.set.options(path)? };
+    let (probe, certificate) = (arguments.certify, arguments.certify);
+    let options = Options { attack: Some(ATTACK), probe, certificate, ..arguments.set.options(path)? };
     let mut compiled = sdfc::compile(&source.name, &source.text, &options, clock);
     if is_for_import(&compiled) {
         // Nothing is missing in a file that others import; what else is wrong in it has been found.
@@ -67,7 +69,16 @@ fn check(
     }
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     found.count(&compiled.diagnostics);
-    shader(&compiled, terminal).map(drop)
+    shader(&compiled, terminal)?;
+    match &compiled.output {
+        Some((scene, _)) if arguments.certify => {
+            let judged =
+                clock.time("certify", || certify::run(&source.name, scene, arguments.size, terminal));
+            found.errors += usize::from(matches!(judged, Err(Failure::Scene)));
+            judged
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Whether a file without a scene has what an import brings, and nothing that only a scene's file needs.

@@ -36,15 +36,18 @@ impl Cost {
 
     /// The warning about a scene that costs more than a shader can spend.
     pub(crate) fn warning(&self, tree: &File) -> Option<Diagnostic> {
-        let scene = tree.items.iter().find(|item| matches!(item.kind, ItemKind::Scene(_)));
-        let place = scene.map_or(Span::default(), |item| item.span);
-        (self.iterations > ITERATION_LIMIT).then(|| too_costly(place, self.iterations))
+        (self.iterations > ITERATION_LIMIT).then(|| too_costly(scene_word(tree), self.iterations))
     }
 }
 
+/// The first word of the scene block: the block may fill the screen.
+pub(crate) fn scene_word(tree: &File) -> Span {
+    let scene = tree.items.iter().find(|item| matches!(item.kind, ItemKind::Scene(_)));
+    let span = scene.map_or(Span::default(), |item| item.span);
+    Span { end: span.end.min(span.start + "scene".len() as u32), ..span }
+}
+
 fn too_costly(span: Span, iterations: u64) -> Diagnostic {
-    // Only its first word is marked: a scene may fill the screen.
-    let span = Span { end: span.end.min(span.start + "scene".len() as u32), ..span };
     let message = format!("a pixel of this scene takes up to {iterations} rounds of loops");
     Diagnostic::new(Code::W001, span, message)
         .label(format!("drivers are likely to give up above {ITERATION_LIMIT}"))

@@ -1,7 +1,9 @@
 //! Shaders to pictures: on a graphics device, or by the interpreter.
 
+use crate::measured::{Measured, type_beside};
 use crate::{Clock, Shader};
-use sdf_render::{Frame, Picture, cpu};
+use sdf_ir::Type;
+use sdf_render::{Drawn, Frame, Picture, cpu};
 use sdf_syntax::Diagnostic;
 use std::fmt::{self, Display, Formatter};
 
@@ -35,10 +37,12 @@ pub enum Language {
 pub type Progress<'a> = &'a (dyn Fn(f64) + Sync);
 
 /// A picture that has been drawn.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     /// The picture.
     pub picture: Picture,
+    /// What was measured, where the scene was compiled for a [`View`](sdf_lang::View).
+    pub measured: Option<Measured>,
     /// What drew it.
     pub device: String,
     /// Why it is not what was preferred, where that is so.
@@ -92,9 +96,14 @@ impl Shader {
         progress: Progress,
         clock: &mut Clock,
     ) -> Drawing {
-        let (picture, _) =
+        let (drawn, _) =
             clock.time("draw on the CPU", || cpu::render_with(&self.program, frame, false, progress));
-        Drawing { picture, device: "CPU".into(), fallback }
+        self.drawing(drawn, "CPU".into(), fallback)
+    }
+
+    fn drawing(&self, drawn: Drawn, device: String, fallback: Option<String>) -> Drawing {
+        let measured = Measured::of(&self.program, &drawn.beside);
+        Drawing { picture: drawn.picture, measured, device, fallback }
     }
 
     #[cfg(feature = "gpu")]
@@ -135,10 +144,21 @@ impl Shader {
         let values = frame.uniforms(&self.program);
         let uniforms = UniformLayout::of(&self.program).bytes(size, &values);
         let mut tell = |done: u32, of: u32| progress(f64::from(done) / f64::from(of));
-        let rgba =
-            clock.time("draw", || gpu.render(shader, size, &uniforms, TILE, &mut tell)).map_err(failed)?;
-        let picture = Picture { width: frame.width, height: frame.height, rgba };
-        Ok(Drawing { picture, device: gpu.name().name.clone(), fallback: None })
+        let [width, height] = size;
+        let drawn = clock.time("draw", || match type_beside(&self.program) {
+            Some(Type::Float) => {
+                let floats = gpu.render_floats(shader, size, &uniforms, TILE, &mut tell);
+                floats.map(|floats| Drawn::from_floats(width, height, &floats))
+            }
+            beside => {
+                let bytes = gpu.render(shader, size, &uniforms, TILE, &mut tell);
+                bytes.map(|rgba| match beside {
+                    Some(_) => Drawn::from_bytes(width, height, rgba),
+                    None => Drawn { picture: Picture { width, height, rgba }, beside: Vec::new() },
+                })
+            }
+        });
+        Ok(self.drawing(drawn.map_err(failed)?, gpu.name().name.clone(), None))
     }
 
     #[cfg(not(feature = "gpu"))]

@@ -9,15 +9,17 @@ mod cost;
 mod draw;
 mod field;
 mod files;
+mod measured;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
 pub use field::{Field, Material, Property, Sample};
 pub use files::{FileLoader, similar_file};
+pub use measured::Measured;
 pub use sdf_emit::{Format, Target};
 pub use sdf_ir::Constant;
-pub use sdf_lang::{Basis, Class, Copies, Fact, Options, Scene};
+pub use sdf_lang::{Basis, Class, Copies, Fact, Options, Scene, View};
 pub use sdf_render::{Frame, Picture};
 
 use sdf_emit::Header;

@@ -4,6 +4,7 @@
 
 mod arguments;
 mod bug;
+mod certify;
 mod check;
 mod compile;
 mod doc;
@@ -12,6 +13,7 @@ mod facts;
 mod failure;
 mod input;
 mod listing;
+mod moments;
 mod output;
 mod progress;
 mod query;

@@ -7,7 +7,8 @@ use crate::input;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
-use sdfc::{Clock, DrawError, Drawing, Frame};
+use clap::ValueEnum;
+use sdfc::{Clock, DrawError, Drawing, Frame, Measured, Options, View};
 
 /// Draws a scene to a PNG file.
 pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -15,8 +16,9 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let output = Output::prepare(&arguments.output, &arguments.scene)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
-    let compiled =
-        sdfc::compile(&source.name, &source.text, &arguments.set.options(&arguments.scene)?, &mut clock);
+    let view = arguments.view.map_or(View::Picture, View::from);
+    let options = Options { view: Some(view), ..arguments.set.options(&arguments.scene)? };
+    let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     let shader = shader(&compiled, terminal)?;
 
@@ -33,6 +35,15 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     if let Some(why) = &drawing.fallback {
         terminal.note(&format!("drawn on the CPU: {}", why.lines().next().unwrap_or_default()));
     }
+    let measured = drawing.measured.as_ref().expect("a view is measured");
+    let lost = measured.warning(&compiled.tree);
+    terminal.diagnostics(&compiled.sources, lost.as_slice());
+    if lost.is_some() && terminal.denies_warnings() {
+        return Err(Failure::Denied);
+    }
+    if let Some(legend) = legend(view, measured) {
+        terminal.note(&legend);
+    }
     let bytes = clock.time("encode", || png(&drawing, &source.text, arguments))?;
     clock.time("save", || output.write(&bytes))?;
     if arguments.timings {
@@ -40,6 +51,36 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
         terminal.timings(&clock);
     }
     Ok(())
+}
+
+/// What the colours of a view mean, and the largest values in it; the picture itself needs no words.
+fn legend(view: View, measured: &Measured) -> Option<String> {
+    let of_range = |words: &dyn Fn(f32, f32) -> String| match measured.range {
+        Some((least, largest)) => words(least, largest),
+        None => "there is nothing".into(),
+    };
+    match view {
+        View::Picture => None,
+        View::Depth => Some(format!(
+            "white is near, black is far, dark blue is nothing; {}",
+            of_range(&|nearest, farthest| format!(
+                "the nearest is at {nearest:.3}, the farthest at {farthest:.3}"
+            ))
+        )),
+        View::Normal => Some(
+            "red, green and blue are x, y and z of the normal, from -1 to 1; dark blue is nothing".into(),
+        ),
+        View::Steps => Some(format!(
+            "violet is no step, blue 1/16 of `steps`, teal 1/4, green 9/16, yellow all; {}",
+            of_range(&|_, most| format!("the most is {most} steps"))
+        )),
+        View::Error => Some(format!(
+            "violet is 1/1000 of the tolerance or less, blue 1/100, teal 1/10, green the tolerance, yellow 10 times \
+             it or more, dark blue nothing; {}",
+            of_range(&|_, largest| format!("the largest is {largest:.3} times the tolerance"))
+        )),
+        View::Material => Some("the surfaces' colours without light; dark blue is nothing".into()),
+    }
 }
 
 fn must_be_png(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -63,6 +104,9 @@ fn must_be_png(arguments: &RenderArguments) -> Result<(), Failure> {
 fn png(drawing: &Drawing, source: &str, arguments: &RenderArguments) -> Result<Vec<u8>, Failure> {
     let (width, height) = arguments.size;
     let mut settings = format!("--size {width}x{height} --time {}", arguments.time);
+    if let Some(view) = arguments.view.and_then(|view| view.to_possible_value()) {
+        settings.push_str(&format!(" --view {}", view.get_name()));
+    }
     for (name, value) in &arguments.set.values {
         settings.push_str(&format!(" --set {name}={value}"));
     }

@@ -88,6 +88,16 @@ impl Terminal {
         }
     }
 
+    /// Whether messages are for programs, as JSON.
+    pub fn is_for_programs(&self) -> bool {
+        self.format == MessageFormat::Json
+    }
+
+    /// Says that something is wrong that is at no place of a file, and what to do.
+    pub fn wrong(&self, text: &str, help: &str) {
+        self.say("error", text, Some(help));
+    }
+
     /// Says something that is worth knowing.
     pub fn note(&self, text: &str) {
         self.say("note", text, None);

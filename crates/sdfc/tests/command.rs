@@ -430,6 +430,56 @@ fn a_picture_is_drawn_on_the_cpu() {
     assert_eq!(text("Software"), Some(concat!("sdfc ", env!("CARGO_PKG_VERSION"))));
 }
 
+/// Rays that run out of steps are told, with the place that sets them, whatever is drawn; where warnings are denied,
+/// nothing is written.
+#[test]
+fn rays_that_run_out_of_steps_are_told() {
+    let folder = Folder::new(&[
+        ("short.sdf", b"render { steps: 6 }\nscene { box(0.5).twist(2), plane().at(0, -1, 0) }"),
+        ("scene.sdf", SCENE.as_bytes()),
+    ]);
+    for view in ["", "--view steps", "--view depth"] {
+        let call =
+            format!("render short.sdf -o a.png --device cpu --size 32x18 --message-format short {view}");
+        let run = folder.run(&call);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        assert!(run.err.starts_with("short.sdf:1:17: warning[W005]: "), "{}", run.err);
+        assert!(run.err.contains(" of 576 rays ran out of steps (") && run.err.contains("--view steps"));
+    }
+    let call = "render short.sdf -o b.png --device cpu --size 32x18 --deny warnings";
+    folder.run(call).fails(1, &["W005", "there are warnings"]);
+    assert_eq!(folder.names(), ["a.png", "scene.sdf", "short.sdf"]);
+    folder.run("render scene.sdf -o b.png --device cpu --size 32x18").succeeds();
+}
+
+#[test]
+fn views_are_drawn_with_a_legend() {
+    let folder = Folder::with_scene();
+    let legends = [
+        ("depth", "white is near, black is far, dark blue is nothing; the nearest is at "),
+        ("normal", "red, green and blue are x, y and z"),
+        ("steps", "violet is no step"),
+        ("error", "violet is 1/1000 of the tolerance"),
+        ("material", "the surfaces' colours without light"),
+    ];
+    let mut pictures = std::collections::BTreeSet::new();
+    for (view, legend) in legends {
+        let run =
+            folder.run(&format!("render scene.sdf -o {view}.png --device cpu --size 32x18 --view {view}"));
+        assert_eq!((run.code, run.out.as_slice()), (Some(0), &b""[..]));
+        assert!(
+            run.err.starts_with(&format!("note: {legend}")) && run.err.lines().count() == 1,
+            "{}",
+            run.err
+        );
+        let (_, _, rgba, texts) = decode(&folder.read(&format!("{view}.png")));
+        assert!(pictures.insert(rgba), "{view} is another view's picture");
+        assert!(texts.iter().any(|(_, text)| *text == format!("--size 32x18 --time 0 --view {view}")));
+    }
+    refused_call("render scene.sdf -o a.png --view heat", &["heat", "depth, normal, steps, error, material"]);
+    refused_call("scene.sdf -o a.wgsl --view steps", &["--view"]);
+}
+
 #[test]
 fn any_machine_draws_a_picture() {
     let folder = Folder::with_scene();
@@ -484,6 +534,58 @@ fn scenes_are_checked_together() {
     folder.run("check good.sdf bad.sdf").fails(1, &["spheer", "cube", "2 scenes checked: 2 errors"]);
     folder.run("check bad.sdf none.sdf good.sdf").fails(2, &["3 scenes checked: 2 errors, 1 file not read"]);
     folder.run("check param.sdf bad.sdf --set spin=9").fails(2, &["2 scenes checked: "]);
+}
+
+/// A promise that is false from half a minute on, later than promises are tried.
+const LATE_LIE: &[u8] = b"
+@lipschitz(1) @bounds((-1, -1, -1), (1, 1, 1))
+let ball = field { (length(p) - 1) * if time > 30 { 8 } else { 1 } }
+scene { ball }";
+
+#[test]
+fn certified_scenes_have_a_row_for_each_moment() {
+    let folder = Folder::new(&[
+        ("good.sdf", b"param high = 0.5 in 0..1 scene { plane().at(0, high, 0) } camera { eye: (0, 5, 1) }"),
+        ("late.sdf", LATE_LIE),
+    ]);
+    let good = folder.run("check --certify --size 6x4 good.sdf");
+    assert_eq!((good.code, good.err.as_str()), (Some(0), "1 scene checked: nothing is wrong\n"));
+    let table = String::from_utf8(good.out).unwrap();
+    let rows: Vec<(&str, bool)> = table
+        .lines()
+        .map(|line| (line.split("  ").find(|cell| !cell.is_empty()).unwrap_or(""), line.contains(" 24/24 ")))
+        .collect();
+    let moments = ["as it is", "high = 0", "high = 0.17", "high = 0.83", "high = 1"];
+    assert_eq!(rows[0], ("good.sdf", false), "{table}");
+    assert_eq!(rows[1..], moments.map(|name| (name, true)), "{table}");
+
+    let late = folder.run("check --certify --size 6x4 late.sdf");
+    assert_eq!(late.code, Some(1));
+    for words in
+        ["late.sdf with time = 31: ", " unsafe steps at (0, 0)", "late.sdf with time = 10000: ", "1 error"]
+    {
+        assert!(late.err.contains(words), "{}", late.err);
+    }
+    let table = String::from_utf8(late.out).unwrap();
+    assert!(table.lines().any(|line| line.starts_with("  time = 1000 ")), "{table}");
+}
+
+#[test]
+fn certificates_are_for_programs_too() {
+    let folder = Folder::new(&[("late.sdf", LATE_LIE)]);
+    let run = folder.run("check --certify --size 6x4 late.sdf --message-format json");
+    assert_eq!(run.code, Some(1));
+    let lines: Vec<serde_json::Value> =
+        String::from_utf8(run.out).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 8);
+    for line in &lines {
+        assert_eq!((&line["scene"], &line["pixels"]), (&"late.sdf".into(), &24.into()));
+        let is_late =
+            ["time = 31", "time = 1000", "time = 10000"].contains(&line["moment"].as_str().unwrap());
+        assert_eq!(line["unsafe_steps"]["count"].as_u64().unwrap() > 0, is_late, "{line}");
+        assert_eq!(line["least_free_share"].as_f64().unwrap() < 0.5, is_late, "{line}");
+    }
+    folder.run("check --size 6x4 late.sdf").fails(2, &["--certify"]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use sdf_lang::{Imports, Texts};
 use sdf_syntax::Code;
-use sdfc::{Clock, Options, compile};
+use sdfc::{Clock, Device, Frame, Language, Options, View, compile};
 use std::process::Command;
 use std::sync::Arc;
 
@@ -42,10 +42,16 @@ fn examples(explanation: &str) -> Vec<Example> {
     found
 }
 
-/// The codes of what is said of a scene.
+/// The codes of what is said of a scene, when it is compiled and when it is drawn.
 fn codes(example: &Example) -> Vec<Code> {
-    let compiled = compile("example.sdf", &example.text, &example.options, &mut Clock::default());
-    compiled.diagnostics.iter().map(|d| d.code).collect()
+    let options = Options { view: Some(View::Picture), ..example.options.clone() };
+    let compiled = compile("example.sdf", &example.text, &options, &mut Clock::default());
+    let drawn = compiled.output.as_ref().and_then(|(_, shader)| {
+        let frame = Frame::new(48, 27);
+        let drawing = shader.draw(&frame, &Device::Cpu, Language::Wgsl, &|_| {}, &mut Clock::default());
+        drawing.expect("the CPU draws").measured?.warning(&compiled.tree)
+    });
+    compiled.diagnostics.iter().chain(&drawn).map(|d| d.code).collect()
 }
 
 /// These have no example in a text: bytes that are no text, texts that are too large to be shown, and mistakes of the

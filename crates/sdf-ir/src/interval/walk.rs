@@ -3,6 +3,7 @@
 //! Where a condition is not decided both sides are walked and joined; a loop is unrolled for as long as it may go on.
 
 use super::bounds::Bounds;
+use super::cases::Cases;
 use super::domain::Domain;
 use super::idiom::Idiom;
 use super::number::{product_up, sum_up};
@@ -27,12 +28,14 @@ pub(crate) struct Walk<D> {
     frames: Vec<Option<Frame<D>>>,
     pub uniforms: Vec<D>,
     pub globals: Vec<D>,
+    /// Where steps and comparisons are taken apart.
+    pub cases: Option<Cases>,
     rounds: u32,
 }
 
 impl<D: Domain> Walk<D> {
     pub fn new(uniforms: Vec<D>, globals: Vec<D>) -> Walk<D> {
-        Walk { frames: Vec::new(), uniforms, globals, rounds: 0 }
+        Walk { frames: Vec::new(), uniforms, globals, cases: None, rounds: 0 }
     }
 
     /// A frame in which the leaves of the function have their values.
@@ -179,6 +182,12 @@ impl<D: Domain> Walk<D> {
                     Angle::Unknown => Angle::Unknown,
                 },
             }),
+        };
+        let computed = match &mut self.cases {
+            Some(cases) => {
+                cases.answer(function.node(value), computed, |v| *frame.values[v.0 as usize].bounds())
+            }
+            None => computed,
         };
         frame.values[value.0 as usize] = computed;
         if D::MOVES && frame.plan.idiom(value).is_some() {

@@ -273,7 +273,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn values_lie_in_their_bounds() {
-    let mut decided = 0;
+    let (mut decided, mut closer) = (0, 0);
     for seed in 0..400 {
         let (program, id) = program(seed, 14, true);
         let mut random = Random(seed);
@@ -284,17 +284,23 @@ fn values_lie_in_their_bounds() {
                 (random.bounds(Type::Float, Random::small), random.bounds(Type::Float, Random::small));
             let mut walker = Walker::<Bounds>::new(&program, program.function(id), &[u], &[]);
             let bounds = walker.run(&[p, x]).to_vec();
+            let by_cases = walker.run_by_cases(&[p, x], 5);
+            closer += by_cases.iter().zip(&bounds).filter(|(a, b)| a != b).count();
             let mut walker = Walker::<Sloped>::new(&program, program.function(id), &[u], &[]);
             let sloped = walker.run(&[Sloped::point(p), Sloped::steady(x)]).to_vec();
             decided += usize::from(bounds[0].is_finite());
             for _ in 0..24 {
                 let arguments = [p, x].map(|b| duals_random.value(&b));
                 let results = point(&program, id, &arguments, &[random.value(&u)]);
-                for ((result, bounds), sloped) in results.iter().zip(&bounds).zip(&sloped) {
-                    let inside = bounds.contains(*result) && sloped.bounds.contains(*result);
+                for (i, (bounds, sloped)) in bounds.iter().zip(&sloped).enumerate() {
+                    let result = &results[i];
+                    let inside = bounds.contains(*result)
+                        && by_cases[i].contains(*result)
+                        && sloped.bounds.contains(*result);
                     assert!(
                         inside || !is_sane(result),
-                        "seed {seed}: {result:?} is not in\n{bounds:?}\n{sloped:?}\nat {arguments:?} of {p:?} {x:?}\n{}",
+                        "seed {seed}: {result:?} is not in\n{bounds:?}\n{:?}\n{sloped:?}\nat {arguments:?} of {p:?} {x:?}\n{}",
+                        by_cases[i],
                         program.function(id)
                     );
                 }
@@ -302,6 +308,7 @@ fn values_lie_in_their_bounds() {
         }
     }
     assert!(decided > 1000, "only {decided} bounds say anything");
+    assert!(closer > 100, "only {closer} bounds are closer by cases");
 }
 
 #[test]

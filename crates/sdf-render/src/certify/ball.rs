@@ -9,7 +9,7 @@ use super::{Prover, Vector, dot, length, moved, normal, run};
 use sdf_ir::interval::{Bounds, Interval};
 
 /// How often the field is evaluated for one ball, at most.
-const BUDGET: u64 = 4000;
+const BUDGET: u64 = 1000;
 /// The share of a step that must be free: what is left is for rounding.
 const SHARE: f64 = 0.99;
 /// The shares of a step that are tried where that much is not free.
@@ -57,11 +57,13 @@ impl Prover<'_> {
     }
 
     /// Whether the step that the march may take from a point passes no surface, in whatever direction it is taken. The
-    /// march asks at points in `f32`, so the point is rounded to them.
+    /// march asks at points in `f32`, so the point is rounded to them, and a step is safe that is less than their
+    /// distance.
     pub fn step_from(&mut self, place: Vector) -> Step {
         let place = place.map(|x| f64::from(x as f32));
         let stride = self.stride(place).abs();
-        if self.field.is_none() || stride == 0.0 {
+        let least = place.iter().fold(0.0f64, |most, x| most.max(x.abs())) * f64::from(f32::EPSILON);
+        if self.field.is_none() || stride <= least {
             return Step::Safe;
         }
         let found = self.contains_zero(place, SHARE * stride);
@@ -123,6 +125,9 @@ impl Ball<'_, '_> {
             let by_norm = Interval::symmetric(reach).scaled(slopes.norm());
             let mean = middle.plus(change.intersect(by_norm));
             if sign(mean).is_some() {
+                continue;
+            }
+            if slopes.norm() == f64::INFINITY && sign(self.field.over_by_cases(region)).is_some() {
                 continue;
             }
             let has_changed = match is_first {

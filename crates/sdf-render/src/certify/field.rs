@@ -4,6 +4,9 @@ use super::ray::Ray;
 use sdf_ir::interval::{Bounds, Interval, Sloped, Slopes, Walker};
 use sdf_ir::{Function, Program};
 
+/// How many borders between cells are told apart in one region, at most.
+const BORDERS: usize = 5;
+
 /// A field, asked by one thread.
 pub(super) struct Field<'p> {
     values: Walker<'p, Bounds>,
@@ -30,6 +33,13 @@ impl<'p> Field<'p> {
     pub fn over(&mut self, region: Bounds) -> Interval {
         self.evaluations += 1;
         self.values.run(&[region])[0].number()
+    }
+
+    /// The same, more closely where the region holds borders at which the field may jump, for as many evaluations as
+    /// there are cases.
+    pub fn over_by_cases(&mut self, region: Bounds) -> Interval {
+        self.evaluations += 4;
+        self.values.run_by_cases(&[region], BORDERS)[0].number()
     }
 
     /// Where the values in a region lie, and how they move with the point there.

@@ -147,6 +147,12 @@ impl<'a, 'p> Search<'a, 'p> {
         if sign(values).is_some() {
             return self.free(values);
         }
+        if !slope.is_finite() {
+            let values = self.field.over_by_cases(self.ray.part(from, to));
+            if sign(values).is_some() {
+                return self.free(values);
+            }
+        }
         let end = sign(self.field.along(self.ray, to, to));
         match (self.before, end) {
             (Some(a), Some(b)) if a == b && sign(slope).is_some() => Piece::Free,

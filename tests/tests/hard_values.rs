@@ -62,10 +62,11 @@ fn a_thousand_blends_keep_their_digits() {
     let points = points(500, [30.0, 10.0, 30.0]);
     let chain = distance(text, None);
     let expected = in_f64(&chain, &points);
-    assert!(largest_difference(&in_f32(&chain, &points), &expected) < 1e-5);
+    let found = largest_difference(&in_f32(&chain, &points), &expected);
+    assert!(found < 1e-4, "{found}");
     assert!(is_taken(&chain));
     let naive = in_f32(&distance(text, Some("plain_exponential")), &points);
-    assert!(largest_difference(&naive, &expected) > 1e-4);
+    assert!(largest_difference(&naive, &expected) > 1e-1);
 }
 
 /// 16, 18. The twins are the functions without what they require.

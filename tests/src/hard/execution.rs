@@ -34,23 +34,28 @@ impl Execution<'_> {
         }
     }
 
+    /// The language of the shader, if it is one.
+    fn language(&self) -> Option<KernelLanguage> {
+        match self {
+            Execution::Interpreter => None,
+            Execution::Lavapipe(language) | Execution::SwiftShader(_, language) => Some(*language),
+            Execution::Chromium(_) => Some(KernelLanguage::Wgsl),
+        }
+    }
+
     /// What the pixels of a frame show, by a program whose entry is a probe.
     pub fn buffers(&self, program: &Program, frame: &Frame) -> Buffers {
-        let (language, run): (_, Box<dyn Fn(&Kernel) -> Result<Vec<u32>, String>>) = match *self {
-            Execution::Interpreter => return Buffers::of_program(program, frame),
-            Execution::Lavapipe(language) => {
-                (language, Box::new(|k| k.words_on(lavapipe()).map_err(|error| error.to_string())))
-            }
-            Execution::SwiftShader(path, language) => {
-                (language, Box::new(move |k| swiftshader::compute(path, k)))
-            }
-            Execution::Chromium(canvas) => (KernelLanguage::Wgsl, Box::new(move |k| canvas.compute(k))),
-        };
+        let Some(language) = self.language() else { return Buffers::of_program(program, frame) };
         let probe = program.entry.expect("a probe");
         let kernel = Kernel::of(program, probe, language, &frame.uniforms(program), &coordinates(frame));
-        let words = run(&kernel).unwrap_or_else(|error| panic!("{}: {error}\n{}", self.name(), kernel.text));
-        let columns: Vec<Vec<f32>> =
-            kernel.columns(&words).into_iter().map(|c| c.into_iter().map(f32::from_bits).collect()).collect();
+        let words = match self {
+            Execution::SwiftShader(path, _) => swiftshader::compute(path, &kernel),
+            Execution::Chromium(canvas) => canvas.compute(&kernel),
+            _ => kernel.words_on(lavapipe()).map_err(|error| error.to_string()),
+        };
+        let words = words.unwrap_or_else(|said| panic!("{}: {said}\n{}", self.name(), kernel.text));
+        let numbers = |column: Vec<u32>| column.into_iter().map(f32::from_bits).collect();
+        let columns: Vec<Vec<f32>> = kernel.columns(&words).into_iter().map(numbers).collect();
         Buffers::of_columns(frame, &columns)
     }
 }

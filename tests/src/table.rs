@@ -32,13 +32,19 @@ impl Table {
         text + &self.rows.iter().map(|row| line(row)).collect::<String>()
     }
 
+    /// Writes the file of this name in `tests/tables/`.
+    pub fn write(&self, name: &str) {
+        let path = folder().join(name);
+        std::fs::write(&path, self.markdown()).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    }
+
     /// Compares the table with the file of this name in `tests/tables/`, versions apart; what is wrong, if anything.
     /// Where the environment has `UPDATE_TABLES`, the file is written instead.
     pub fn check(&self, name: &str) -> Option<String> {
         let path = folder().join(name);
         let text = self.markdown();
         if std::env::var_os("UPDATE_TABLES").is_some() {
-            std::fs::write(&path, text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            self.write(name);
             return None;
         }
         let kept = std::fs::read_to_string(&path).unwrap_or_default();

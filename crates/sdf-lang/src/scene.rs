@@ -160,14 +160,13 @@ impl<'t> Elaborator<'t> {
         let map = solids.map.clone();
         let glows = self.glows(shapes)?;
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
-        let camera = settings.iter().find(|(n, _)| &**n == "camera").map(|(_, v)| v.clone());
-        let camera = camera.unwrap_or_else(|| unreachable!("a scene has a camera"));
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
         fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
         fields.push((Arc::from("glows"), glows));
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
-        fields.extend(self.solid_fields(&solids, &camera)?);
+        let solids = self.solid_fields(&solids, &fields)?;
+        fields.extend(solids);
         if view == Some(View::Depth) {
             fields.push((Arc::from("ball"), self.ball_record()));
         }
@@ -357,7 +356,7 @@ impl<'t> Elaborator<'t> {
             // Its sky is all that is drawn.
             return summary;
         }
-        if setting("relax") == Some(Constant::Bool(true)) && !is_true("hollow") {
+        if is_true("relaxed") {
             summary.effects.push("relaxation");
         }
         if is_true("steep") {

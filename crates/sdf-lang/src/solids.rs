@@ -5,11 +5,15 @@ use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval, name_shape};
 use crate::facts::{corner_number, room};
 use crate::scene::parts_of_union;
-use crate::value::{Number, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Fields, Number, Shape, ShapeKind, Thunk, Value};
 use sdf_syntax::Span;
 use sdf_syntax::tree::Dimension;
 use std::rc::Rc;
 use std::sync::Arc;
+
+/// From how many operations a distance on steps are relaxed: where it costs less, what is saved is less than what it takes
+/// to find out how long a step may be (measured; `tests/tables/march.md`).
+const RELAXED: u64 = 150;
 
 /// The shapes of a scene, told apart by how a ray meets them.
 pub(crate) struct Solids<'t> {
@@ -66,16 +70,22 @@ impl<'t> Elaborator<'t> {
     }
 
     /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `solids`, the union of the others,
-    /// unless it is `hollow`, and its box from `lo` to `hi`, if it is `bounded`; whether its field is `steep`; whether the
-    /// eye may be `inside`; and whether a small distance makes a surface near by `sure`.
+    /// unless it is `hollow`, and its box from `lo` to `hi`, if it is `bounded`; whether its field is `steep` and steps are
+    /// `relaxed`; whether the eye may be `inside`; and whether a small distance makes a surface near by `sure`.
     pub fn solid_fields(
         &mut self,
         solids: &Solids<'t>,
-        camera: &Value<'t>,
+        settings: &[(Arc<str>, Value<'t>)],
     ) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
+        let record = |wanted: &str| match settings.iter().find(|(name, _)| &**name == wanted) {
+            Some((_, Value::Record(record))) => record.clone(),
+            _ => unreachable!("`{wanted}` is a record"),
+        };
         let Value::Shape(map) = &solids.map else { unreachable!("a scene is a shape") };
-        let inside = self.may_be_inside(map, camera)?;
+        let inside = self.may_be_inside(map, &record("camera"))?;
         let rest = solids.rest.clone().unwrap_or_else(|| map.clone());
+        let is_set = |name| record("render").get(name).is_some_and(Value::is_true);
+        let relaxed = is_set("always") || is_set("relax") && self.operations_of(&rest)? >= RELAXED;
         let slope = self.slope_of(&rest)?;
         let is_exact = slope.quality == Some(Quality::Exact);
         let corners = self.corners(&rest)?;
@@ -88,6 +98,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("lo"), Value::Number(lo)),
             (Arc::from("hi"), Value::Number(hi)),
             (Arc::from("steep"), Value::bool(solids.rest.is_some() && slope.everywhere > 1.0)),
+            (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),
             (Arc::from("sure"), Value::bool(is_exact && !inside)),
             (Arc::from("solids"), Value::Shape(rest)),
@@ -103,14 +114,13 @@ impl<'t> Elaborator<'t> {
     }
 
     /// Whether the eye may be in the scene's solids, for some values of the params and at some times.
-    fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Value<'t>) -> Eval<bool> {
-        let Value::Record(camera) = camera else { unreachable!("a camera is a record") };
+    fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Fields<'t>) -> Eval<bool> {
         match (camera.get("eye"), camera.get("orbits")) {
             (Some(Value::Number(eye)), Some(Value::Number(orbits)))
                 if orbits.known() == Number::constant(sdf_ir::Constant::Bool(false)).known() =>
             {
                 let eye = self.bounds_of_number(eye);
-                Ok(!(self.least_distance(map, &eye)? > 0.0))
+                Ok(self.least_distance(map, &eye)? <= 0.0)
             }
             _ => Ok(true),
         }

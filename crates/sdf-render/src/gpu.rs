@@ -1,8 +1,9 @@
 //! Shaders on a graphics device, by wgpu: this is the only file that knows it.
 //!
-//! `Gpu::new → render → pixels`, or `Gpu::new → compute → words`. Whatever a driver does, an error comes back and
-//! nothing panics. The Vulkan loader's device layers may write to the terminal; a binary that minds sets
-//! `NODEVICE_SELECT=1` before its threads start.
+//! `Gpu::new → render → pixels`, or `Gpu::new → compute → words`; what is drawn many times is prepared once,
+//! `Gpu::new → prepare → draw → … → pixels`. Whatever a driver does, an error comes back and nothing panics. The Vulkan
+//! loader's device layers may write to the terminal; a binary that minds sets `NODEVICE_SELECT=1` before its threads
+//! start.
 
 use std::fmt::{self, Display, Formatter};
 use std::sync::{Arc, Mutex};
@@ -211,12 +212,29 @@ impl Gpu {
         tile: u32,
         progress: &mut (dyn FnMut(u32, u32) + Send),
     ) -> Result<Vec<u8>, GpuError> {
+        if width == 0 || height == 0 {
+            return Ok(Vec::new());
+        }
+        let prepared = self.prepare_as(format, shader, [width, height], uniforms)?;
+        prepared.draw(tile, progress)?;
+        prepared.pixels()
+    }
+
+    /// A picture that is ready to be drawn, as [`render`](Gpu::render) would draw it: its pipeline is built.
+    pub fn prepare(&self, shader: Shader, size: [u32; 2], uniforms: &[u8]) -> Result<Prepared<'_>, GpuError> {
+        self.prepare_as(wgpu::TextureFormat::Rgba8Unorm, shader, size, uniforms)
+    }
+
+    fn prepare_as(
+        &self,
+        format: wgpu::TextureFormat,
+        shader: Shader,
+        [width, height]: [u32; 2],
+        uniforms: &[u8],
+    ) -> Result<Prepared<'_>, GpuError> {
         let limit = self.device.limits().max_texture_dimension_2d;
         if width > limit || height > limit {
             return Err(GpuError::TooLarge { limit });
-        }
-        if width == 0 || height == 0 {
-            return Ok(Vec::new());
         }
         deep(|| {
             let layout = self.layout(wgpu::ShaderStages::FRAGMENT, &[wgpu::BufferBindingType::Uniform])?;
@@ -224,14 +242,7 @@ impl Gpu {
             let block = self.buffer("the uniforms", wgpu::BufferUsages::UNIFORM, uniforms)?;
             let group = self.bind_group(&layout, &[&block])?;
             let texture = self.texture(format, width, height)?;
-            let (columns, rows) = (width.div_ceil(tile.max(1)), height.div_ceil(tile.max(1)));
-            for i in 0..columns * rows {
-                let [x, y] = [i % columns * tile, i / columns * tile];
-                let area = [x, y, tile.min(width - x), tile.min(height - y)];
-                self.draw(&pipeline, &group, &texture, area)?;
-                progress(i + 1, columns * rows);
-            }
-            self.read_texture(&texture)
+            Ok(Prepared { gpu: self, pipeline, group, texture })
         })
     }
 
@@ -266,6 +277,38 @@ impl Gpu {
             })?;
             Ok(bytemuck::pod_collect_to_vec(&bytes))
         })
+    }
+}
+
+/// A picture that is ready to be drawn, once or again and again.
+pub struct Prepared<'g> {
+    gpu: &'g Gpu,
+    pipeline: wgpu::RenderPipeline,
+    group: wgpu::BindGroup,
+    texture: wgpu::Texture,
+}
+
+impl Prepared<'_> {
+    /// Draws the picture, and waits until it is drawn; a software driver compiles the shader the first time. It is
+    /// drawn in tiles of `tile` pixels a side, each a submission of its own; `progress` is told how many are done, and
+    /// of how many.
+    pub fn draw(&self, tile: u32, progress: &mut (dyn FnMut(u32, u32) + Send)) -> Result<(), GpuError> {
+        let (width, height) = (self.texture.width(), self.texture.height());
+        let (columns, rows) = (width.div_ceil(tile.max(1)), height.div_ceil(tile.max(1)));
+        deep(|| {
+            for i in 0..columns * rows {
+                let [x, y] = [i % columns * tile, i / columns * tile];
+                let area = [x, y, tile.min(width - x), tile.min(height - y)];
+                self.gpu.draw(&self.pipeline, &self.group, &self.texture, area)?;
+                progress(i + 1, columns * rows);
+            }
+            Ok(())
+        })
+    }
+
+    /// The pixels as they were drawn last, in the bytes of their format, row by row from the top.
+    pub fn pixels(&self) -> Result<Vec<u8>, GpuError> {
+        self.gpu.read_texture(&self.texture)
     }
 }
 

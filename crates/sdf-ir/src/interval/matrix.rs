@@ -6,6 +6,14 @@ use super::number::{Interval, above, product_up, root_up, sum_up};
 /// answer is an upper bound of the largest singular value of every such matrix: the least of what the entries say by
 /// their middles, and what rows say by the products of pairs of them.
 pub(crate) fn largest_singular_value(rows: &[[Interval; 3]], norms: &[f64]) -> f64 {
+    if rows.iter().all(|row| row[1].is_zero() && row[2].is_zero()) {
+        // Of a single column it is the length.
+        let mut column = [0.0; 3];
+        for (entry, (row, norm)) in column.iter_mut().zip(rows.iter().zip(norms)) {
+            *entry = row[0].most().min(*norm);
+        }
+        return norm_up(&column);
+    }
     let by_products = root_up(largest_eigenvalue(&products(rows, norms), rows.len()));
     if rows.iter().flatten().any(|x| !x.is_finite()) {
         return by_products;

@@ -42,9 +42,13 @@ impl Prover<'_> {
     pub fn contains_zero(&mut self, center: Vector, radius: f64) -> Option<bool> {
         let gradient = self.normals_at(&[center]).pop();
         let field = self.field.as_mut()?;
-        let value = field.over(Bounds::between(center, center));
+        let here = Bounds::between(center, center);
+        let value = field.over(here);
+        // A condition that rounding leaves open makes the value that of both its branches.
+        let value = if sign(value).is_none() { field.over_by_cases(here) } else { value };
+        let rounding = 1e-12 * (length(center) + radius);
         match sign(value) {
-            None if value.most() < f64::INFINITY => Some(true),
+            None if value.most() <= rounding => Some(true),
             None => None,
             Some(side) => Ball { field, center, radius, side, value, gradient }.contains_zero(),
         }
@@ -124,7 +128,8 @@ impl Ball<'_, '_> {
                 });
             let by_norm = Interval::symmetric(reach).scaled(slopes.norm());
             let mean = middle.plus(change.intersect(by_norm));
-            if sign(mean).is_some() {
+            if sign(mean).is_some() || sign(self.linear_in_ball(&cell, middle, slopes.gradient(0))).is_some()
+            {
                 continue;
             }
             if slopes.norm() == f64::INFINITY && sign(self.field.over_by_cases(region)).is_some() {
@@ -144,6 +149,23 @@ impl Ball<'_, '_> {
             cells.extend(cell.halves());
         }
         Some(false)
+    }
+
+    /// Where the values in the part of a cell that lies in the ball are, by the value in its middle and the gradient.
+    ///
+    /// The corners of cells at the ball's border lie outside of it, and may lie beyond a surface that the ball does not
+    /// reach. Over the whole ball a linear form with the gradient's middle is known exactly; what the gradient differs
+    /// from its middle changes the values by no more than it does over the cell.
+    fn linear_in_ball(&self, cell: &Cell, middle: Interval, gradient: [Interval; 3]) -> Interval {
+        if gradient.iter().any(|slope| !slope.is_finite()) {
+            return Interval::ALL;
+        }
+        let slope = gradient.map(Interval::middle);
+        let to_center = std::array::from_fn(|i| self.center[i] - cell.middle[i]);
+        let spread: f64 = (0..3).map(|i| (gradient[i].hi - gradient[i].lo) / 2.0 * cell.half[i]).sum();
+        let (shift, reach) = (dot(slope, to_center), length(slope) * self.radius + spread);
+        let rounding = 1e-12 * (length(slope) * (length(to_center) + self.radius) + spread + middle.most());
+        middle.plus(Interval::point(shift)).widened_by(reach + rounding)
     }
 
     /// Whether the field has another sign at one of some points of the ball: along its gradient, and all round.

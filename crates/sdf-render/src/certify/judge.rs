@@ -109,7 +109,14 @@ impl Prover<'_> {
     fn right_hit(&mut self, ray: &Ray, late: Option<f64>, found: &Found) -> Verdict {
         let depth = f64::from(found.depth);
         let normal = self.normal(ray.at(depth), ray.radius(depth));
-        let angle = normal.angle_to(found.normal.map(f64::from));
+        let seen = found.normal.map(f64::from);
+        let angle = normal.angle_to(seen);
+        // From inside, the surface is seen with its normal towards the eye.
+        let angle = if dot(seen, ray.direction) < 0.0 {
+            angle.min(normal.angle_to(seen.map(|x| -x)))
+        } else {
+            angle
+        };
         Verdict::RightHit { late, normal: angle, is_smooth: normal.is_smooth }
     }
 

@@ -95,7 +95,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("steep"), Value::bool(solids.rest.is_some() && slope.everywhere > 1.0)),
             (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),
-            (Arc::from("sure"), Value::bool(is_exact && !inside)),
+            (Arc::from("sure"), Value::bool(is_exact)),
             (Arc::from("solids"), Value::Shape(rest)),
         ])
     }

@@ -217,10 +217,14 @@ fn balls_hold_zeros_or_do_not() {
         let mut prover = certifier.prover();
         let [distance, _] = run(&mut prover.step, &touching);
         for share in [0.5, 0.99] {
-            assert_eq!(prover.contains_zero(touching, share * distance), Some(false), "{name} {share}");
+            assert_eq!(
+                prover.contains_zero(touching, share * distance, BUDGET),
+                Some(false),
+                "{name} {share}"
+            );
         }
-        assert_eq!(prover.contains_zero(touching, 1.01 * distance), Some(true), "{name}");
-        assert_eq!(prover.contains_zero([5.0, 4.0, 3.0], 1.0), Some(false), "{name}");
+        assert_eq!(prover.contains_zero(touching, 1.01 * distance, BUDGET), Some(true), "{name}");
+        assert_eq!(prover.contains_zero([5.0, 4.0, 3.0], 1.0, BUDGET), Some(false), "{name}");
     }
 }
 

@@ -13,7 +13,7 @@ use crate::attack::points::{Points, Random, at, columns, moved, seed};
 use crate::attack::subject::{Kind, Subject};
 use crate::scenes::scene;
 use sdf_lang::Options;
-use sdf_render::certify::{BUDGET, Prover, Step};
+use sdf_render::certify::{Prover, Step};
 use second::{Files, Second, certifier, extruded};
 
 /// How far an area is extruded.
@@ -24,7 +24,11 @@ const NEAR: [f64; 5] = [1e-4, 1e-3, 1e-2, 5e-2, 0.2];
 const FAR: f64 = 300.0;
 
 /// How often the field is evaluated before other definitions are tried.
-const QUICK: u64 = 60;
+const QUICK: u64 = 40;
+/// How often the inequalities are evaluated, at most: they are short.
+const INEQUALITIES: u64 = 10_000;
+/// How often the field is evaluated, at most, where nothing else decides.
+const LONG: u64 = 2_000;
 
 /// A shape of space, and where it is.
 #[derive(Debug)]
@@ -135,8 +139,8 @@ fn proof(
     if second.is_free_of_points(solid.as_mut(), center, radius) {
         return Proof::Free(2);
     }
-    let by_inequalities = solid.as_mut().and_then(|solid| asked(solid, BUDGET, 1));
-    by_inequalities.or_else(|| asked(field, BUDGET, 0)).unwrap_or(Proof::Unknown)
+    let by_inequalities = solid.as_mut().and_then(|solid| asked(solid, INEQUALITIES, 1));
+    by_inequalities.or_else(|| asked(field, LONG, 0)).unwrap_or(Proof::Unknown)
 }
 
 /// The steps from so many points, in the shape as it is compiled with these options.

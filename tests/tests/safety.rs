@@ -54,6 +54,7 @@ fn tallies(points: usize) -> BTreeMap<String, (usize, Tally)> {
     let (each, files) = (points.div_ceil(sites.len()), files());
     let found: Vec<(String, Tally)> = sites
         .par_iter()
+        .with_max_len(1)
         .map(|site| (site.name.clone(), tried(site, each, &Options::default(), &files)))
         .collect();
     let mut tallies = BTreeMap::new();

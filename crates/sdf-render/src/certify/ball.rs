@@ -11,7 +11,7 @@ use super::{Prover, Vector, dot, length, moved, normal, run};
 use sdf_ir::interval::{Bounds, Interval, Slopes};
 
 /// How often the field is evaluated for one ball, at most, where nothing else is said.
-pub const BUDGET: u64 = 1000;
+pub(super) const BUDGET: u64 = 1000;
 /// The share of a step that must be free: what is left is for rounding.
 const SHARE: f64 = 0.99;
 /// The shares of a step that are tried where that much is not free.

@@ -16,7 +16,8 @@ mod ray;
 #[cfg(test)]
 mod tests;
 
-pub use ball::{BUDGET, Step};
+use ball::BUDGET;
+pub use ball::Step;
 pub use conditions::{conditions, weights};
 pub use first_hit::Truth;
 pub use judge::{Found, Verdict};

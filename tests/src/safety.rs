@@ -26,7 +26,7 @@ const FAR: f64 = 300.0;
 /// How often the field is evaluated before other definitions are tried.
 const QUICK: u64 = 40;
 /// How often the inequalities are evaluated, at most: they are short.
-const INEQUALITIES: u64 = 10_000;
+const INEQUALITIES: u64 = 30_000;
 /// How often the field is evaluated, at most, where nothing else decides.
 const LONG: u64 = 2_000;
 

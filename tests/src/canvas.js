@@ -59,9 +59,47 @@ function drawWithWebgl(fragments, frames, width, height) {
 
 let device;
 
+const webgpuDevice = async () => (await navigator.gpu?.requestAdapter())?.requestDevice();
+
+// A compute shader's arguments lie at binding 0, its results at binding 1; its workgroups are of 64 invocations, in rows
+// of 32,768. Both are words in base 64. The result is {complaint, words}.
+async function computeWithWebgpu(text, input, invocations, words) {
+  device ??= await webgpuDevice();
+  if (!device) return { complaint: "there is no WebGPU" };
+  device.pushErrorScope("validation");
+  const module = device.createShaderModule({ code: text });
+  const { messages } = await module.getCompilationInfo();
+  const said = messages.map(m => `${m.type}, line ${m.lineNum}: ${m.message}\n`).join("");
+  const pipeline = device.createComputePipeline({ layout: "auto", compute: { module, entryPoint: "main" } });
+  const bytes = Uint8Array.from(atob(input), c => c.charCodeAt(0));
+  const { STORAGE, COPY_DST, COPY_SRC, MAP_READ } = GPUBufferUsage;
+  const [taken, left] = [bytes.length, words * 4].map(size =>
+    device.createBuffer({ size, usage: STORAGE | COPY_DST | COPY_SRC }));
+  device.queue.writeBuffer(taken, 0, bytes);
+  const read = device.createBuffer({ size: words * 4, usage: COPY_DST | MAP_READ });
+  const encoder = device.createCommandEncoder();
+  const pass = encoder.beginComputePass();
+  pass.setPipeline(pipeline);
+  pass.setBindGroup(0, device.createBindGroup({
+    layout: pipeline.getBindGroupLayout(0),
+    entries: [taken, left].map((buffer, binding) => ({ binding, resource: { buffer } })),
+  }));
+  const groups = Math.ceil(invocations / 64);
+  pass.dispatchWorkgroups(Math.min(groups, 32768), Math.ceil(groups / 32768));
+  pass.end();
+  encoder.copyBufferToBuffer(left, 0, read, 0, words * 4);
+  device.queue.submit([encoder.finish()]);
+  const refused = await device.popErrorScope();
+  if (refused) return { complaint: said + refused.message };
+  await read.mapAsync(MAP_READ);
+  const result = base64(new Uint8Array(read.getMappedRange()));
+  for (const buffer of [taken, left, read]) buffer.destroy();
+  return { complaint: said, words: result };
+}
+
 // Rows from the top. `blocks` are the bytes of the uniform block of each picture, in base 64.
 async function drawWithWebgpu(text, blocks, width, height) {
-  device ??= await (await navigator.gpu?.requestAdapter())?.requestDevice();
+  device ??= await webgpuDevice();
   if (!device) return { complaint: "there is no WebGPU", pictures: [] };
   device.pushErrorScope("validation");
   const module = device.createShaderModule({ code: text });

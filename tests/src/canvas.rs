@@ -2,6 +2,7 @@
 
 use crate::chromium::{Browser, Page, decode, encode};
 use crate::drawing::{SIZE, Verdict};
+use crate::run::Kernel;
 use sdf_emit::UniformLayout;
 use sdf_ir::{Constant, Role};
 use sdf_render::{Frame, Picture};
@@ -68,6 +69,21 @@ impl Canvas<'_> {
             encode(&layout.bytes([frame.width, frame.height], &values)).into()
         };
         self.draw("drawWithWebgpu", text, frames.iter().map(block).collect(), |rgba| rgba)
+    }
+
+    /// The words that a compute shader in WGSL leaves, or what is said against it.
+    pub fn compute(&self, kernel: &Kernel) -> Result<Vec<u32>, String> {
+        let bytes: Vec<u8> = kernel.input.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let (text, input) = (json!(kernel.text), json!(encode(&bytes)));
+        let (invocations, words) = (kernel.invocations, kernel.invocations * kernel.width);
+        let call = format!("computeWithWebgpu({text}, {input}, {invocations}, {words})");
+        let result = self.page.evaluate(&call)?;
+        let complaint = result["complaint"].as_str().expect("a text");
+        if !complaint.is_empty() {
+            return Err(complaint.to_owned());
+        }
+        let word = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().expect("four bytes"));
+        Ok(decode(&result["words"]).chunks_exact(4).map(word).collect())
     }
 
     fn draw(&self, function: &str, text: &str, frames: Vec<Value>, turn: fn(Vec<u8>) -> Vec<u8>) -> Verdict {

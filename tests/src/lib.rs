@@ -7,6 +7,7 @@ pub mod chromium;
 pub mod drawing;
 pub mod fields;
 pub mod glslang;
+pub mod hard;
 pub mod library;
 pub mod march;
 pub mod numbers;

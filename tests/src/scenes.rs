@@ -65,7 +65,15 @@ pub fn legalised(program: &Program, function: FunctionId) -> Program {
     sdf_ir::legalise(&sdf_ir::simplify(&program, &[]).0)
 }
 
-/// What the pixels of a picture show, by the interpreter: row by row from the top.
+/// The centres of the pixels of a picture, row by row from the top, in pixels from the bottom left.
+pub fn coordinates(frame: &Frame) -> [Vec<f32>; 2] {
+    let (width, height) = (frame.width as usize, frame.height as usize);
+    let x = (0..width * height).map(|i| (i % width) as f32 + 0.5).collect();
+    let y = (0..width * height).map(|i| (height - 1 - i / width) as f32 + 0.5).collect();
+    [x, y]
+}
+
+/// What the pixels of a picture show: row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Buffers {
     /// Pixels from left to right.
@@ -118,25 +126,31 @@ impl Seen {
 impl Buffers {
     /// Those of a scene that was compiled with a probe.
     pub fn of(scene: &Scene, frame: &Frame) -> Buffers {
-        let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
-        let tape = Tape::compile(&program, program.entry.expect("the probe"));
-        let (width, height) = (frame.width as usize, frame.height as usize);
-        let count = width * height;
-        let x: Vec<f32> = (0..count).map(|i| (i % width) as f32 + 0.5).collect();
-        let y: Vec<f32> = (0..count).map(|i| (height - 1 - i / width) as f32 + 0.5).collect();
-        let mut outputs = vec![vec![0.0f32; count]; 12];
+        Buffers::of_program(&legalised(&scene.program, scene.probe.expect("a scene with a probe")), frame)
+    }
+
+    /// Those of a legalised program whose entry is a probe.
+    pub fn of_program(program: &Program, frame: &Frame) -> Buffers {
+        let tape = Tape::compile(program, program.entry.expect("the probe"));
+        let [x, y] = coordinates(frame);
+        let mut outputs = vec![vec![0.0f32; x.len()]; 12];
         let mut slices: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
-        run_parallel(&tape, &frame.uniforms(&program), &[&x, &y], &mut slices);
-        let three = |first: usize, i: usize| [0, 1, 2].map(|k| outputs[first + k][i]);
+        run_parallel(&tape, &frame.uniforms(program), &[&x, &y], &mut slices);
+        Buffers::of_columns(frame, &outputs)
+    }
+
+    /// Those that a probe gave for [`coordinates`].
+    pub fn of_columns(frame: &Frame, columns: &[Vec<f32>]) -> Buffers {
+        let three = |first: usize, i: usize| [0, 1, 2].map(|k| columns[first + k][i]);
         let seen = |i| Seen {
-            depth: outputs[0][i],
+            depth: columns[0][i],
             normal: three(1, i),
             color: three(4, i),
             light: three(7, i),
-            steps: outputs[10][i],
-            lost: outputs[11][i] != 0.0,
+            steps: columns[10][i],
+            lost: columns[11][i] != 0.0,
         };
-        Buffers { width, pixels: (0..count).map(seen).collect() }
+        Buffers { width: frame.width as usize, pixels: (0..columns[0].len()).map(seen).collect() }
     }
 
     /// Whether an edge passes between two of a pixel and its eight neighbours: of a shape, a surface's colour or a

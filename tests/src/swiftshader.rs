@@ -2,12 +2,14 @@
 //! another process that draws.
 
 use crate::drawing::{SIZE, Verdict};
+use crate::run::Kernel;
 use crate::scenes::Example;
+use sdf_emit::KernelLanguage;
 use sdf_render::{Frame, Picture};
 use sdfc::Language;
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 /// Where Debian's `chromium-common` puts the driver's description.
 const DRIVER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
@@ -33,18 +35,11 @@ pub fn version(program: &str) -> String {
 /// What SwiftShader makes of an example, by the program `draw`, which lies at `program`.
 pub fn draw(program: &str, example: &Example, frames: &[Frame], language: Language) -> Verdict {
     let [width, height] = SIZE;
-    let mut child = command(program)
-        .arg(if language == Language::Wgsl { "wgsl" } else { "glsl" })
-        .args(frames.iter().map(|frame| frame.time.to_string()))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap_or_else(|error| panic!("{program}: {error}"));
-    let mut input = child.stdin.take().expect("a pipe");
-    input.write_all(example.text.as_bytes()).expect("a child that reads");
-    drop(input);
-    let output = child.wait_with_output().expect("a child that ends");
+    let mut command = command(program);
+    command.arg(if language == Language::Wgsl { "wgsl" } else { "glsl" });
+    command.args(frames.iter().map(|frame| frame.time.to_string()));
+    let output = piped(&mut command, example.text.as_bytes());
+    let output = output.unwrap_or_else(|error| panic!("{program}: {error}"));
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         return Verdict { complaint: Some(said), pictures: Vec::new() };
@@ -54,6 +49,31 @@ pub fn draw(program: &str, example: &Example, frames: &[Frame], language: Langua
         complaint: None,
         pictures: pictures.map(|rgba| Picture { width, height, rgba: rgba.to_vec() }).collect(),
     }
+}
+
+/// The words that a compute shader leaves on SwiftShader, by the program `compute`, which lies at `program`; or what is
+/// said against it.
+pub fn compute(program: &str, kernel: &Kernel) -> Result<Vec<u32>, String> {
+    let language = if kernel.language == KernelLanguage::Wgsl { "wgsl" } else { "glsl" };
+    let numbers = [kernel.text.len(), kernel.invocations, kernel.width].map(|n| n.to_string());
+    let words = kernel.input.iter().flat_map(|word| word.to_le_bytes());
+    let input: Vec<u8> = kernel.text.bytes().chain(words).collect();
+    let mut command = command(program);
+    command.arg(language).args(numbers);
+    let output = piped(&mut command, &input).map_err(|error| format!("{program}: {error}"))?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+    }
+    let word = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().expect("four bytes"));
+    Ok(output.stdout.chunks_exact(4).map(word).collect())
+}
+
+/// What a command makes of an input.
+fn piped(command: &mut Command, input: &[u8]) -> std::io::Result<Output> {
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn()?;
+    child.stdin.take().expect("a pipe").write_all(input)?;
+    child.wait_with_output()
 }
 
 /// The program, where Vulkan has SwiftShader and nothing else.

@@ -29,7 +29,7 @@ impl Wrapper<'_> {
     pub fn before(&self, target: Target) -> String {
         let loops =
             |start: &str| if self.loops { format!("\n#define ZERO {start}\n") } else { String::new() };
-        let settings = self.settings(target);
+        let settings = settings(self.program, self.symbols, target);
         match target {
             Target::Shadertoy => {
                 format!("{}{settings}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)"))
@@ -97,23 +97,6 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
         (call, format!("{vector}(outcome.{}, {beside})", fields[0]))
     }
 
-    /// The accuracy settings as named constants.
-    fn settings(&self, target: Target) -> String {
-        let mut out = String::new();
-        for (uniform, Expression { text: name, .. }) in
-            self.program.uniforms.iter().zip(&self.symbols.uniforms)
-        {
-            if uniform.role == Role::Setting {
-                let (value, what) = (constant(&uniform.default), meaning(uniform));
-                out += &match target {
-                    Target::Wgsl => format!("const {name}: f32 = {value}; // {what}\n"),
-                    _ => format!("const float {name} = {value}; // {what}\n"),
-                };
-            }
-        }
-        if out.is_empty() { out } else { format!("\n{out}") }
-    }
-
     fn wgsl_block(&self) -> String {
         let mut out = String::from("struct Uniforms {\n");
         for (ty, name, _) in block(self.program, self.symbols) {
@@ -179,6 +162,21 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
         }
         out
     }
+}
+
+/// The accuracy settings as named constants.
+pub(crate) fn settings(program: &Program, symbols: &Symbols, target: Target) -> String {
+    let mut out = String::new();
+    for (uniform, Expression { text: name, .. }) in program.uniforms.iter().zip(&symbols.uniforms) {
+        if uniform.role == Role::Setting {
+            let (value, what) = (constant(&uniform.default), meaning(uniform));
+            out += &match target {
+                Target::Wgsl => format!("const {name}: f32 = {value}; // {what}\n"),
+                _ => format!("const float {name} = {value}; // {what}\n"),
+            };
+        }
+    }
+    if out.is_empty() { out } else { format!("\n{out}") }
 }
 
 /// The members of the uniform block: type, name and offset.

@@ -204,10 +204,13 @@ impl Raise<'_> {
             Binary::Divide if !quotient_fits(ranges) => each(b, Helper::Quotient),
             // a % b == a - b*floor(a/b)
             Binary::Modulo if quotient_fits(ranges) && ranges[0].most() < 1e37 && ranges[1].most() < 1e37 => {
-                let ratio = b.div(x, y);
-                let whole = b.unary(Unary::Floor, ratio);
-                let multiple = b.mul(y, whole);
-                b.sub(x, multiple)
+                self.each(b, &operands, |_, b, parts| {
+                    let ratio = b.div(parts[0], parts[1]);
+                    let whole = b.unary(Unary::Floor, ratio);
+                    let multiple = b.mul(parts[1], whole);
+                    let rest = b.sub(parts[0], multiple);
+                    helpers::in_period(b, rest, parts[1])
+                })
             }
             Binary::Modulo => each(b, Helper::Remainder),
             Binary::Power => each(b, Helper::Power),

@@ -486,7 +486,7 @@ impl<'t> Elaborator<'t> {
         let default_far = self.framed.map_or(100.0, |reach| reach.max(100.0));
         let far = self.static_setting(&block, "far", default_far, FAR);
         let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"]);
-        let relax = self.word_setting(&block, "relax", &["auto", "always", "none"]);
+        let relax = self.word_setting(&block, "relax", &["auto", "none"]);
         let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"]);
         let antialias = self.static_setting(&block, "antialias", 1.0, ANTIALIAS);
         let bounces = self.static_setting(&block, "bounces", 2.0, BOUNCES);
@@ -513,8 +513,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
             (Arc::from("steps"), Value::float(steps)),
             (Arc::from("far"), self.named_constant("far", far)),
-            (Arc::from("relax"), Value::bool(relax != "none")),
-            (Arc::from("always"), Value::bool(relax == "always")),
+            (Arc::from("relax"), Value::bool(relax == "auto")),
         ]))
     }
 }

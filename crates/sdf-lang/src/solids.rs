@@ -11,10 +11,6 @@ use sdf_syntax::tree::Dimension;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// From how many operations a distance on steps are relaxed: where it costs less, what is saved is less than what it takes
-/// to find out how long a step may be (measured; `tests/tables/march.md`).
-const RELAXED: u64 = 150;
-
 /// The shapes of a scene, told apart by how a ray meets them.
 pub(crate) struct Solids<'t> {
     /// Those whose fields are affine.
@@ -84,8 +80,7 @@ impl<'t> Elaborator<'t> {
         let Value::Shape(map) = &solids.map else { unreachable!("a scene is a shape") };
         let inside = self.may_be_inside(map, &record("camera"))?;
         let rest = solids.rest.clone().unwrap_or_else(|| map.clone());
-        let is_set = |name| record("render").get(name).is_some_and(Value::is_true);
-        let relaxed = is_set("always") || is_set("relax") && self.operations_of(&rest)? >= RELAXED;
+        let relaxed = record("render").get("relax").is_some_and(Value::is_true);
         let slope = self.slope_of(&rest)?;
         let is_exact = slope.quality == Some(Quality::Exact);
         let corners = self.corners(&rest)?;

@@ -197,8 +197,11 @@ impl<'t> Elaborator<'t> {
         let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
         let to_box = self.unary(Unary::Length, &to_box, span)?;
         let mut slope = Number::float(slope.max(1.0));
-        if self.stated(shape).is_some_and(|s| s.contract.quality.is_some()) && !self.slope_of(shape)?.wild {
-            // What is as good as its shapes is no steeper than they are where it samples them.
+        if self.stated(shape).is_some_and(|s| s.contract.quality.is_some() || s.contract.slope.is_some())
+            && !self.slope_of(shape)?.wild
+        {
+            // What is as good as its shapes is no steeper than they are where it samples them; and a contract may say
+            // more of the places near a point than of the whole region.
             let local = self.slope(shape, point, distance, span)?;
             slope = self.binary(Binary::Min, &slope, &local, span)?;
         }

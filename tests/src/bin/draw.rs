@@ -1,8 +1,8 @@
 //! `draw DEVICE wgsl|glsl TIME… < scene.sdf > pixels`: the pictures of a scene, four bytes a pixel, one after the other.
 //! `draw DEVICE` prints what the device and its driver are called.
 
-use sdf_render::gpu::{DevicePreference, Gpu};
 use sdf_tests::drawing::{frame_at, on_device, shader};
+use sdf_tests::run::version_of;
 use sdf_tests::scenes::Example;
 use sdfc::Language;
 use std::io::{Read, Write};
@@ -10,7 +10,7 @@ use std::io::{Read, Write};
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (device, language, times) = match arguments.as_slice() {
-        [device] => return print!("{}", version(device)),
+        [device] => return print!("{}", version_of(device)),
         [device, language, times @ ..] => (device, language, times),
         [] => panic!("usage: draw DEVICE [wgsl|glsl TIME…] < scene.sdf > pixels"),
     };
@@ -31,9 +31,4 @@ fn main() {
     for picture in verdict.pictures {
         std::io::stdout().write_all(&picture.rgba).expect("somebody who listens");
     }
-}
-
-fn version(device: &str) -> String {
-    let gpu = Gpu::new(&DevicePreference::Named(device.into())).unwrap_or_else(|error| panic!("{error}"));
-    format!("{}, {}", gpu.name().name, gpu.name().driver)
 }

@@ -587,10 +587,25 @@ fn remainder(b: &mut Builder, x: Value, y: Value, divide: FunctionId) -> Value {
     let (lo, hi) = (b.min(y, zero), b.max(y, zero));
     let rest = b.max(rest, lo);
     let rest = b.min(rest, hi);
+    let rest = in_period(b, rest, y);
     let size = abs(b, x);
     // There the multiple could overflow.
     let meaningless = greater(b, size, 1e37);
     b.select(meaningless, zero, rest)
+}
+
+/// A remainder of `y` that is one period off, where a driver divides by multiplying and `floor` gave the whole number
+/// beside the right one; from 0 on, and less than `y` away from it.
+pub(super) fn in_period(b: &mut Builder, rest: Value, y: Value) -> Value {
+    let signs = [b.unary(Unary::Sign, rest), b.unary(Unary::Sign, y)];
+    let product = b.mul(signs[0], signs[1]);
+    let is_below = less(b, product, 0.0);
+    let above = b.add(rest, y);
+    let rest = b.select(is_below, above, rest);
+    let (size, period) = (abs(b, rest), abs(b, y));
+    let is_beyond = b.binary(Binary::LessEqual, period, size);
+    let below = b.sub(rest, y);
+    b.select(is_beyond, below, rest)
 }
 
 // ---- vectors

@@ -114,7 +114,7 @@ impl<'p> Ranges<'p> {
                 Some(ranges) => ranges
                     .into_iter()
                     .zip(&function.parameters)
-                    .map(|(range, p)| if p.point { parameter(true) } else { range })
+                    .map(|(range, p)| if p.point && !is_scaled_up(range) { parameter(true) } else { range })
                     .collect(),
                 None => function.parameters.iter().map(|p| parameter(p.point)).collect(),
             };
@@ -133,6 +133,12 @@ impl<'p> Ranges<'p> {
     pub(crate) fn get(&self, function: FunctionId, value: Value) -> Range {
         self.walk.at(self.walk.program.function(function), &self.functions[function.0 as usize], value)
     }
+}
+
+/// Whether points are multiplied by so much that what is promised of points does not hold of them. Where nothing is known
+/// of them, as of those along a ray, the promise holds.
+fn is_scaled_up(range: Range) -> bool {
+    range.most().is_finite() && range.most() > POINT * 1e6
 }
 
 fn parameter(point: bool) -> Range {

@@ -348,12 +348,6 @@ impl<'t> Elaborator<'t> {
         Ok(sdf_ir::interval::bounds(program, &function, &[*points], &uniforms, &globals)[0].number().lo)
     }
 
-    /// How many operations a field takes at a point.
-    pub fn operations_of(&mut self, shape: &Rc<Shape<'t>>) -> Eval<u64> {
-        let formula = self.plain_formula(shape)?;
-        Ok(formula.map_or(0, |function| self.contexts.operations_apart(&function)))
-    }
-
     /// A field as a function of the point alone; nothing if it is made from what an open function computes.
     fn plain_formula(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Function>> {
         if depends_on_a_point_inside(shape) {

@@ -6,6 +6,8 @@ use super::{BUDGET, Prover, dot};
 
 /// How much later than the first zero a hit may be: this many tolerances, measured along the normal.
 const LATE: f64 = 2.0;
+/// From what angle on, in degrees, a normal on a crease is worth a closer search.
+const CLOSE: f64 = 0.05;
 /// How much of what is allowed the enclosure of the first zero may be wide.
 const WIDE: f64 = 0.1;
 
@@ -108,8 +110,19 @@ impl Prover<'_> {
 
     fn right_hit(&mut self, ray: &Ray, late: Option<f64>, found: &Found) -> Verdict {
         let depth = f64::from(found.depth);
-        let normal = self.normal(ray.at(depth), ray.radius(depth));
-        let angle = normal.angle_to(found.normal.map(f64::from));
+        let (place, radius) = (ray.at(depth), ray.radius(depth));
+        let normal = self.normal(place, radius);
+        let seen = found.normal.map(f64::from);
+        // From inside, the surface is seen with its normal towards the eye.
+        let is_turned = dot(seen, ray.direction) < 0.0;
+        let of_samples = |seen: [f64; 3]| normal.angle_to(seen);
+        let mut angle = of_samples(seen);
+        if is_turned {
+            angle = angle.min(of_samples(seen.map(|x| -x)));
+        }
+        if !normal.is_smooth && angle > CLOSE {
+            angle = angle.min(self.least_angle(place, radius, seen));
+        }
         Verdict::RightHit { late, normal: angle, is_smooth: normal.is_smooth }
     }
 

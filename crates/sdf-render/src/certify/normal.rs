@@ -32,6 +32,25 @@ impl Prover<'_> {
         Normal { is_smooth, samples: self.normals_at(&places) }
     }
 
+    /// The least angle, in degrees, between a vector and the normals in a ball round a place on a crease: from the nearest of
+    /// all over the ball, a search closer and closer round the nearest so far.
+    pub(super) fn least_angle(&mut self, center: Vector, radius: f64, found: Vector) -> f64 {
+        let (mut best, mut least) = (center, 180.0);
+        let mut reach = radius;
+        for _ in 0..ROUNDS {
+            let mut places = places_in(best, reach);
+            places.retain(|place| length(moved(*place, center, -1.0)) <= radius);
+            for place in places {
+                let angle = self.normals_at(&[place]).first().map_or(180.0, |normal| angle(*normal, found));
+                if angle < least {
+                    (best, least) = (place, angle);
+                }
+            }
+            reach *= 0.6;
+        }
+        least
+    }
+
     /// The gradient's direction at points, in `f64`; those are left out where it vanishes.
     pub(super) fn normals_at(&mut self, places: &[Vector]) -> Vec<Vector> {
         let Some(machine) = &mut self.gradient else { return Vec::new() };
@@ -71,6 +90,24 @@ fn turn_of(gradient: [Interval; 3]) -> f64 {
     let spread = length(gradient.map(|x| x.width() / 2.0));
     let share = spread / dot(middle, middle).sqrt();
     if share < 1.0 { 2.0 * share.asin().to_degrees() } else { 180.0 }
+}
+
+/// How often the search for a normal on a crease becomes closer.
+const ROUNDS: usize = 12;
+
+/// Points all over a ball: in directions along a spiral, at distances that fill it evenly (Richard Swinbank, R. James
+/// Purser, "Fibonacci grids", 2006).
+fn places_in(center: Vector, radius: f64) -> Vec<Vector> {
+    const COUNT: usize = 64;
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let place = |i: usize| {
+        let height = 1.0 - (2 * i + 1) as f64 / COUNT as f64;
+        let (across, turn) = ((1.0 - height * height).sqrt(), golden * i as f64);
+        // Beside each other in direction, far from each other in distance.
+        let share = ((i * 23 % COUNT) as f64 / COUNT as f64).cbrt();
+        moved(center, [across * turn.cos(), height, across * turn.sin()], radius * share)
+    };
+    (0..COUNT).map(place).collect()
 }
 
 /// A ball's centre, and points half way out and at its surface, in the directions of a cube's faces and corners.

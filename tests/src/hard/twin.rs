@@ -1,0 +1,96 @@
+//! Naive twins: a case with a guard taken out. A twin is a folder of `tests/hard/naive/`; each file in it holds functions
+//! that stand in for those of the same name and parameters in the compiler's file of the same name, their attributes
+//! included. What it adds besides is added.
+
+use sdf_lang::compiler_files;
+use std::path::PathBuf;
+
+/// A twin by the name that a fixture gives it: a folder; `product` where nothing stands in; `uniform` where nothing does
+/// either, but the param that the case freezes is a uniform, so that nothing is folded. Then `, unguarded` where the
+/// operations are the hardware's own, without what makes them total.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Twin {
+    /// The texts that stand in for the compiler's files, by their names.
+    pub replaced: Vec<(String, String)>,
+    /// Whether what the case freezes is frozen.
+    pub frozen: bool,
+    /// Whether operations are made total.
+    pub guarded: bool,
+}
+
+impl Twin {
+    /// The twin of this name.
+    pub fn named(name: &str) -> Twin {
+        let (folder, guarded) = match name.strip_suffix(", unguarded") {
+            Some(folder) => (folder, false),
+            None => (name, true),
+        };
+        let is_folder = !["product", "uniform"].contains(&folder);
+        let replaced = if is_folder { replaced(folder) } else { Vec::new() };
+        Twin { replaced, frozen: folder != "uniform", guarded }
+    }
+}
+
+/// The files of a twin's folder, put into the compiler's.
+fn replaced(twin: &str) -> Vec<(String, String)> {
+    let folder: PathBuf = super::fixture::folder().join("naive").join(twin);
+    let files = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let file = |path: PathBuf| {
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&path).expect("a text");
+        let original = compiler_files().find(|(file, _)| *file == name);
+        let (_, original) =
+            original.unwrap_or_else(|| panic!("{twin}: no file of the compiler is called {name}"));
+        (name, put_in(twin, original, &text))
+    };
+    files.map(|entry| file(entry.expect("a file").path())).collect()
+}
+
+/// A text with functions of another in the place of its own.
+fn put_in(twin: &str, original: &str, naive: &str) -> String {
+    let mut items = items(original);
+    let mut found = false;
+    for (signature, text) in self::items(naive) {
+        match items.iter_mut().find(|(other, _)| *other == signature) {
+            Some(item) => {
+                let docs = item.1.split_inclusive('\n').filter(|line| line.starts_with("///"));
+                item.1 = docs.collect::<String>() + &text;
+                found = true;
+            }
+            None => items.push((signature, text)),
+        }
+    }
+    assert!(found, "{twin} replaces nothing");
+    items.into_iter().map(|(_, text)| text).collect()
+}
+
+/// The functions of a text by their names and parameters, each from its comments and attributes to the last of its lines.
+/// All lines of a function but the first begin with a space or a closing bracket.
+fn items(text: &str) -> Vec<(String, String)> {
+    let mut items: Vec<(String, String)> = Vec::new();
+    let mut is_heading = false;
+    for line in text.split_inclusive('\n') {
+        let function = line.strip_prefix("fn ");
+        if !is_heading && (function.is_some() || line.starts_with(['@', '/'])) {
+            items.push((String::new(), String::new()));
+            is_heading = true;
+        }
+        let Some(item) = items.last_mut() else { continue };
+        item.1.push_str(line);
+        if let Some(function) = function {
+            item.0 = signature(function).to_owned();
+            is_heading = false;
+        }
+    }
+    items
+}
+
+/// A function's name and parameters: all up to the bracket that closes the first one.
+fn signature(function: &str) -> &str {
+    let mut depth = 0;
+    let end = function.find(|c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ')' && depth == 0
+    });
+    end.map_or(function, |end| &function[..end])
+}

@@ -1,15 +1,20 @@
 //! Whether the steps that rays may take from random points are safe: how many certainly are, how many are not, and how
 //! many cannot be told, by the [certifier](sdf_render::certify), which takes no promise of the library's for granted.
 //!
-//! The typical way is `Site::of(call, kind) → tried(&site, count, &options) → Tally`.
+//! The ball of a step must hold no zero of the field as it is compiled, or none of another definition of the same shape:
+//! either is a proof.
+//!
+//! The typical way is `Site::of(name, call, kind) → tried(&site, count, &options, &files) → Tally`.
+
+pub mod second;
 
 use crate::attack::measures::{points_round, size, surface};
 use crate::attack::points::{Points, Random, at, columns, moved, seed};
 use crate::attack::subject::{Kind, Subject};
 use crate::scenes::scene;
 use sdf_lang::Options;
-use sdf_render::Frame;
-use sdf_render::certify::{Certifier, Functions, Step};
+use sdf_render::certify::{Prover, Step};
+use second::{Files, Second, certifier, extruded};
 
 /// How far an area is extruded.
 const HEIGHT: f64 = 0.4;
@@ -18,25 +23,37 @@ const NEAR: [f64; 5] = [1e-4, 1e-3, 1e-2, 5e-2, 0.2];
 /// How far away the farthest points are, in sizes.
 const FAR: f64 = 300.0;
 
+/// How often the field is evaluated before other definitions are tried.
+const QUICK: u64 = 40;
+/// How often the inequalities are evaluated, at most: they are short.
+const INEQUALITIES: u64 = 30_000;
+/// How often the field is evaluated, at most, where nothing else decides.
+const LONG: u64 = 2_000;
+
 /// A shape of space, and where it is.
 #[derive(Debug)]
 pub struct Site {
+    /// The function of the library that is called.
+    pub name: String,
     /// The shape, as an expression.
     pub call: String,
+    /// The call itself, and what it gives.
+    made: (String, Kind),
     subject: Subject,
 }
 
 impl Site {
     /// That of a call; what is of the plane is extruded. Nothing for what is no shape, or has no points.
-    pub fn of(call: &str, kind: Kind) -> Option<Site> {
+    pub fn of(name: &str, call: &str, kind: Kind) -> Option<Site> {
+        let made = (call.to_string(), kind);
         let call = match kind {
             Kind::Solid => call.to_string(),
-            Kind::Area => format!("({call}).extrude({HEIGHT})"),
+            Kind::Area => extruded(call),
             Kind::Number | Kind::Vector => return None,
         };
         let subject =
             Subject::new(&call, Kind::Solid).unwrap_or_else(|refusal| panic!("{call}: {refusal:?}"));
-        (!subject.is_nothing).then_some(Site { call, subject })
+        (!subject.is_nothing).then_some(Site { name: name.into(), call, made, subject })
     }
 
     /// Points near the surface on both sides of it, in and round the shape's box, and far away.
@@ -68,6 +85,8 @@ impl Site {
 pub struct Tally {
     /// How many points there were, each in the field of one call.
     pub pairs: usize,
+    /// How many steps are proved to be safe by the field, by inequalities and by points.
+    pub safe: [usize; 3],
     /// Steps that pass a surface: the call, the point, and the share of the step that is free.
     pub wrong: Vec<(String, [f64; 3], f64)>,
     /// Steps of which it cannot be told, likewise.
@@ -78,6 +97,7 @@ impl Tally {
     /// Both together.
     pub fn and(mut self, other: Tally) -> Tally {
         self.pairs += other.pairs;
+        self.safe = std::array::from_fn(|i| self.safe[i] + other.safe[i]);
         self.wrong.extend(other.wrong);
         self.undecided.extend(other.undecided);
         self
@@ -90,22 +110,61 @@ impl Tally {
     }
 }
 
+/// What is found out about one ball.
+enum Proof {
+    /// It holds no surface, by the field, by inequalities or by points.
+    Free(usize),
+    /// It holds one.
+    Passed,
+    /// It cannot be told.
+    Unknown,
+}
+
+/// Whether a ball holds no surface: the field is asked shortly, then the other definitions, then the field at length.
+fn proof(
+    field: &mut Prover,
+    solid: &mut Option<Prover>,
+    second: &Second,
+    center: [f64; 3],
+    radius: f64,
+) -> Proof {
+    let asked = |prover: &mut Prover, budget, by| match prover.contains_zero(center, radius, budget) {
+        Some(false) => Some(Proof::Free(by)),
+        Some(true) => Some(Proof::Passed),
+        None => None,
+    };
+    if let Some(proof) = asked(field, QUICK, 0) {
+        return proof;
+    }
+    if second.is_free_of_points(solid.as_mut(), center, radius) {
+        return Proof::Free(2);
+    }
+    let by_inequalities = solid.as_mut().and_then(|solid| asked(solid, INEQUALITIES, 1));
+    by_inequalities.or_else(|| asked(field, LONG, 0)).unwrap_or(Proof::Unknown)
+}
+
 /// The steps from so many points, in the shape as it is compiled with these options.
-pub fn tried(site: &Site, count: usize, options: &Options) -> Tally {
+pub fn tried(site: &Site, count: usize, options: &Options, files: &Files) -> Tally {
     let options = Options { certificate: true, attack: Some(0), ..options.clone() };
-    let scene = scene(&site.call, &Kind::Solid.scene("", &site.call), &options);
-    let certificate = scene.certificate.expect("asked for");
-    let functions = Functions { map: scene.map, ray: certificate.ray, step: certificate.step };
-    let certifier = Certifier::new(&scene.program, functions, &Frame::new(1, 1));
-    let mut prover = certifier.prover();
+    let field = certifier(&scene(&site.call, &Kind::Solid.scene("", &site.call), &options));
+    let second = Second::of(files, &site.name, &site.made.0, site.made.1);
+    let (mut prover, mut solid) = (field.prover(), second.prover());
     let mut tally = Tally::default();
     for point in site.points(count) {
         tally.pairs += 1;
-        match prover.step_from(point) {
-            Step::Safe => {}
-            Step::Unsafe(share) => tally.wrong.push((site.call.clone(), point, share)),
-            Step::Undecided(share) => tally.undecided.push((site.call.clone(), point, share)),
-        }
+        let Some((center, radius)) = prover.ball_of_step(point) else {
+            tally.safe[0] += 1;
+            continue;
+        };
+        let list = match proof(&mut prover, &mut solid, &second, center, radius) {
+            Proof::Free(by) => {
+                tally.safe[by] += 1;
+                continue;
+            }
+            Proof::Passed => &mut tally.wrong,
+            Proof::Unknown => &mut tally.undecided,
+        };
+        list.push((site.call.clone(), point, prover.free_share(center, radius)));
     }
     tally
 }

@@ -5,7 +5,7 @@
 use super::forms::Form;
 use super::subject::Kind;
 use sdf_ir::Program;
-use sdf_lang::Options;
+use sdf_lang::{Options, Scene};
 use sdf_syntax::tree::ItemKind;
 use sdf_syntax::{FileId, Severity};
 use std::collections::BTreeMap;
@@ -61,16 +61,23 @@ impl Definitions {
     /// What a call of the function of this name means by its definition; the shapes among its arguments are the
     /// library's.
     pub fn program(&self, name: &str, call: &str, kind: Kind) -> Result<Program, String> {
-        let own = self.own.get(name).ok_or_else(|| format!("{name} has no definition"))?;
-        let text = format!("{}{own}{}", self.helpers, kind.scene("", call));
-        let options = Options { attack: Some(0), ..Options::default() };
-        let compilation = sdf_lang::compile(call, &text, &options);
-        let Some(scene) = compilation.scene else {
-            let errors = compilation.diagnostics.iter().filter(|d| d.severity() == Severity::Error);
-            let said: Vec<String> = errors.map(|d| format!("{}: {}", d.code, d.message)).collect();
-            return Err(format!("the definition of {call}: {}", said.join("; ")));
-        };
+        let scene = self.scene(&[name], call, kind, &Options { attack: Some(0), ..Options::default() })?;
         let program = Program { entry: scene.map, ..scene.program };
         Ok(sdf_ir::simplify(&program, &[]).0)
+    }
+
+    /// The scene of a call in which the functions of these names are meant by their definitions.
+    pub fn scene(&self, names: &[&str], call: &str, kind: Kind, options: &Options) -> Result<Scene, String> {
+        let mut text = self.helpers.clone();
+        for name in names {
+            text += self.own.get(*name).ok_or_else(|| format!("{name} has no definition"))?;
+        }
+        text += &kind.scene("", call);
+        let compilation = sdf_lang::compile(call, &text, options);
+        compilation.scene.ok_or_else(|| {
+            let errors = compilation.diagnostics.iter().filter(|d| d.severity() == Severity::Error);
+            let said: Vec<String> = errors.map(|d| format!("{}: {}", d.code, d.message)).collect();
+            format!("the definition of {call}: {}", said.join("; "))
+        })
     }
 }

@@ -1,13 +1,13 @@
 //! How far away a solid is by its definition alone: boxes are searched, the nearest first, and those dropped in which
 //! intervals prove that there is nothing.
 
-use super::points::{along, exceeds, length};
+use super::points::{along, length};
 use sdf_ir::interval::{Bounds, Domain, Interval, Sloped, Walker, bounds_of_globals, bounds_of_uniform};
 use sdf_ir::region::Extent;
-use sdf_ir::{Binary, Builder, Constant, Function, Node, Program, Value, rebuild};
+use sdf_ir::{Constant, Function, Program};
+use sdf_render::certify::{conditions, weights};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use std::sync::Arc;
 
 /// How often a search may ask before it gives up.
 const BUDGET: usize = 10_000;
@@ -130,24 +130,7 @@ pub struct Solid {
 impl Solid {
     /// Where the field of a program is not positive, in the plane or in space.
     pub fn new(program: &Program, axes: usize) -> Solid {
-        let field = function(program);
-        let mut builder = Builder::new("conditions", Vec::new());
-        let arguments: Vec<Value> =
-            field.parameters.iter().map(|parameter| builder.add_parameter(parameter.clone())).collect();
-        let mut waiting = builder.inline(field, &arguments);
-        let mut results = Vec::new();
-        while let Some(value) = waiting.pop() {
-            match builder.node(value) {
-                Node::Binary(Binary::Max, a, b) => waiting.extend([b, a]),
-                Node::Call(callee, list) if program.function(callee).root().results.len() == 1 => {
-                    let arguments = builder.function().list(list).to_vec();
-                    waiting.extend(builder.inline(program.function(callee), &arguments));
-                }
-                _ => results.push((value, Arc::from("condition"))),
-            }
-        }
-        // The calls that were written out are dead now.
-        let conditions = rebuild(&builder.finish(results));
+        let conditions = conditions(program, function(program), true);
         Solid { program: program.clone(), axes, conditions }
     }
 
@@ -260,7 +243,11 @@ fn is_farther(conditions: &[Condition], to: [f64; 3], half: [f64; 3], limit: f64
                 chosen.push(&conditions[a]);
                 chosen.extend((b > a).then(|| &conditions[b]));
                 chosen.extend((c > b).then(|| &conditions[c]));
-                let weights = weights(&chosen, to);
+                // The weights with which the gradients add up to `-to`, as nearly as they can.
+                let gradients: Vec<[f64; 3]> = chosen.iter().map(|condition| condition.middle).collect();
+                let values: Vec<f64> =
+                    gradients.iter().map(|g| -(0..3).map(|i| g[i] * to[i]).sum::<f64>()).collect();
+                let weights = weights(&gradients, &values);
                 if weights.is_some_and(|weights| beyond(&chosen, &weights[..chosen.len()])) {
                     return true;
                 }
@@ -268,35 +255,6 @@ fn is_farther(conditions: &[Condition], to: [f64; 3], half: [f64; 3], limit: f64
         }
     }
     false
-}
-
-/// The weights with which the gradients add up to `-to`, as nearly as they can; nothing if one is negative.
-fn weights(chosen: &[&Condition], to: [f64; 3]) -> Option<[f64; 3]> {
-    let dot = |a: [f64; 3], b: [f64; 3]| -> f64 { (0..3).map(|i| a[i] * b[i]).sum() };
-    let n = chosen.len();
-    // The normal equations, by Gauss.
-    let mut rows = [[0.0; 4]; 3];
-    for i in 0..n {
-        for j in 0..n {
-            rows[i][j] = dot(chosen[i].middle, chosen[j].middle);
-        }
-        rows[i][3] = -dot(chosen[i].middle, to);
-    }
-    for i in 0..n {
-        if !exceeds(rows[i][i], 1e-12 * dot(chosen[i].middle, chosen[i].middle)) {
-            return None;
-        }
-        for j in i + 1..n {
-            let factor = rows[j][i] / rows[i][i];
-            rows[j] = std::array::from_fn(|k| rows[j][k] - factor * rows[i][k]);
-        }
-    }
-    let mut weights = [0.0; 3];
-    for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| rows[i][j] * weights[j]).sum();
-        weights[i] = (rows[i][3] - known) / rows[i][i];
-    }
-    weights.iter().all(|weight| *weight >= 0.0).then_some(weights)
 }
 
 /// The least of a curve's field over its parameters, each from 0 to 1, for a point in space.

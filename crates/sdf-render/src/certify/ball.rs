@@ -1,15 +1,17 @@
 //! Whether there is a zero of the field in a ball, certainly, and so whether a step is safe.
 //!
-//! A box round the ball is halved until the field certainly has no zero in any part, by its interval there or by what
-//! its slopes let it change from the middle (no Lipschitz constant is taken from anywhere else), or until a point is
-//! found at which it has another sign than at the centre.
+//! A box round the ball is halved until the field certainly has no zero in any part, by its interval there, by what its
+//! slopes let it change from the middle (no Lipschitz constant is taken from anywhere else) or by the
+//! [conditions](super::conditions) of which it is the greatest, or until a point is found at which it has another sign
+//! than at the centre.
 
+use super::conditions::{Linear, exclude_ball};
 use super::field::{Field, sign};
 use super::{Prover, Vector, dot, length, moved, normal, run};
-use sdf_ir::interval::{Bounds, Interval};
+use sdf_ir::interval::{Bounds, Interval, Slopes};
 
-/// How often the field is evaluated for one ball, at most.
-const BUDGET: u64 = 1000;
+/// How often the field is evaluated for one ball, at most, where nothing else is said.
+pub(super) const BUDGET: u64 = 1000;
 /// The share of a step that must be free: what is left is for rounding.
 const SHARE: f64 = 0.99;
 /// The shares of a step that are tried where that much is not free.
@@ -37,9 +39,9 @@ impl Step {
 }
 
 impl Prover<'_> {
-    /// Whether the field has a zero within `radius` of a point; `None` where it cannot be told. A value that is zero up
-    /// to the rounding of `f64` is one.
-    pub fn contains_zero(&mut self, center: Vector, radius: f64) -> Option<bool> {
+    /// Whether the field has a zero within `radius` of a point; `None` where it cannot be told with about so many
+    /// evaluations. A value that is zero up to the rounding of `f64` is one.
+    pub fn contains_zero(&mut self, center: Vector, radius: f64, budget: u64) -> Option<bool> {
         let gradient = self.normals_at(&[center]).pop();
         let field = self.field.as_mut()?;
         let here = Bounds::between(center, center);
@@ -50,7 +52,7 @@ impl Prover<'_> {
         match sign(value) {
             None if value.most() <= rounding => Some(true),
             None => None,
-            Some(side) => Ball { field, center, radius, side, value, gradient }.contains_zero(),
+            Some(side) => Ball { field, center, radius, side, value, gradient }.contains_zero(budget),
         }
     }
 
@@ -60,23 +62,36 @@ impl Prover<'_> {
         stride
     }
 
-    /// Whether the step that the march may take from a point passes no surface, in whatever direction it is taken. The
-    /// march asks at points in `f32`, so the point is rounded to them, and a step is safe that is less than their
-    /// distance.
-    pub fn step_from(&mut self, place: Vector) -> Step {
+    /// Whether the field is positive at a point; `None` where rounding leaves it open.
+    pub fn is_outside(&mut self, place: Vector) -> Option<bool> {
+        sign(self.field.as_mut()?.over_by_cases(Bounds::between(place, place)))
+    }
+
+    /// The ball that must hold no surface for the step that the march may take from a point to be safe, in whatever
+    /// direction it is taken: its centre and its radius. The march asks at points in `f32`, so the point is rounded to
+    /// them. There is none, and the step is safe, where it is less than their distance.
+    pub fn ball_of_step(&mut self, place: Vector) -> Option<(Vector, f64)> {
         let place = place.map(|x| f64::from(x as f32));
         let stride = self.stride(place).abs();
         let least = place.iter().fold(0.0f64, |most, x| most.max(x.abs())) * f64::from(f32::EPSILON);
-        if self.field.is_none() || stride <= least {
-            return Step::Safe;
+        (self.field.is_some() && stride > least).then_some((place, SHARE * stride))
+    }
+
+    /// Whether the step that the march may take from a point passes no surface.
+    pub fn step_from(&mut self, place: Vector) -> Step {
+        let Some((center, radius)) = self.ball_of_step(place) else { return Step::Safe };
+        match self.contains_zero(center, radius, BUDGET) {
+            Some(false) => Step::Safe,
+            Some(true) => Step::Unsafe(self.free_share(center, radius)),
+            None => Step::Undecided(self.free_share(center, radius)),
         }
-        let found = self.contains_zero(place, SHARE * stride);
-        if found == Some(false) {
-            return Step::Safe;
-        }
-        let free = SMALLER.into_iter().find(|share| self.contains_zero(place, share * stride) == Some(false));
-        let share = free.unwrap_or(0.0);
-        if found == Some(true) { Step::Unsafe(share) } else { Step::Undecided(share) }
+    }
+
+    /// The largest of some shares of a step of which it is proved that they are free, where the ball is not: 0 if none.
+    pub fn free_share(&mut self, center: Vector, radius: f64) -> f64 {
+        let is_free =
+            |share: &f64| self.contains_zero(center, share / SHARE * radius, BUDGET / 4) == Some(false);
+        SMALLER.into_iter().find(is_free).unwrap_or(0.0)
     }
 }
 
@@ -99,8 +114,8 @@ struct Cell {
 }
 
 impl Ball<'_, '_> {
-    fn contains_zero(&mut self) -> Option<bool> {
-        let until = self.field.evaluations + BUDGET;
+    fn contains_zero(&mut self, budget: u64) -> Option<bool> {
+        let until = self.field.evaluations + budget;
         let mut cells = vec![Cell { middle: self.center, half: [self.radius; 3] }];
         let mut is_first = true;
         while let Some(cell) = cells.pop() {
@@ -119,20 +134,11 @@ impl Ball<'_, '_> {
                 true => self.value,
                 false => self.field.over(Bounds::between(cell.middle, cell.middle)),
             };
-            // From the middle of the ball no point of it is farther than its radius.
-            let reach = if is_first { self.radius } else { length(cell.half) };
-            let reach = reach * (1.0 + 1e-12);
-            let change =
-                slopes.gradient(0).iter().zip(cell.half).fold(Interval::ZERO, |sum, (slope, half)| {
-                    sum.plus(slope.times(Interval::symmetric(half)))
-                });
-            let by_norm = Interval::symmetric(reach).scaled(slopes.norm());
-            let mean = middle.plus(change.intersect(by_norm));
-            if sign(mean).is_some() || sign(self.linear_in_ball(&cell, middle, slopes.gradient(0))).is_some()
+            if sign(self.by_slopes(&cell, middle, &slopes, is_first)).is_some()
+                || self.is_linear_positive(&cell, middle, slopes.gradient(0))
+                || self.field.exclude(self.side, region, cell.middle, cell.half, (self.center, self.radius))
+                || slopes.norm() == f64::INFINITY && sign(self.field.over_by_cases(region)).is_some()
             {
-                continue;
-            }
-            if slopes.norm() == f64::INFINITY && sign(self.field.over_by_cases(region)).is_some() {
                 continue;
             }
             let has_changed = match is_first {
@@ -146,26 +152,33 @@ impl Ball<'_, '_> {
             if self.field.evaluations >= until || !cell.is_divisible() {
                 return None;
             }
-            cells.extend(cell.halves());
+            cells.extend(cell.halves(cell.axis(slopes.gradient(0))));
         }
         Some(false)
     }
 
-    /// Where the values in the part of a cell that lies in the ball are, by the value in its middle and the gradient.
+    /// Where the values in a cell are, by the value in its middle and by how they move.
+    fn by_slopes(&self, cell: &Cell, middle: Interval, slopes: &Slopes, is_first: bool) -> Interval {
+        // From the middle of the ball no point of it is farther than its radius.
+        let reach = if is_first { self.radius } else { length(cell.half) };
+        let by_norm = Interval::symmetric(reach * (1.0 + 1e-12)).scaled(slopes.norm());
+        let along = |(slope, half): (&Interval, f64)| slope.times(Interval::symmetric(half));
+        let change = slopes.gradient(0).iter().zip(cell.half).map(along).fold(Interval::ZERO, Interval::plus);
+        middle.plus(change.intersect(by_norm))
+    }
+
+    /// Whether the values in the part of a cell that lies in the ball have the sign of the centre's, by the value in the
+    /// cell's middle and the gradient.
     ///
     /// The corners of cells at the ball's border lie outside of it, and may lie beyond a surface that the ball does not
-    /// reach. Over the whole ball a linear form with the gradient's middle is known exactly; what the gradient differs
-    /// from its middle changes the values by no more than it does over the cell.
-    fn linear_in_ball(&self, cell: &Cell, middle: Interval, gradient: [Interval; 3]) -> Interval {
-        if gradient.iter().any(|slope| !slope.is_finite()) {
-            return Interval::ALL;
-        }
-        let slope = gradient.map(Interval::middle);
-        let to_center = std::array::from_fn(|i| self.center[i] - cell.middle[i]);
-        let spread: f64 = (0..3).map(|i| (gradient[i].hi - gradient[i].lo) / 2.0 * cell.half[i]).sum();
-        let (shift, reach) = (dot(slope, to_center), length(slope) * self.radius + spread);
-        let rounding = 1e-12 * (length(slope) * (length(to_center) + self.radius) + spread + middle.most());
-        middle.plus(Interval::point(shift)).widened_by(reach + rounding)
+    /// reach. Over the whole ball a linear function with the gradient's middle is known exactly.
+    fn is_linear_positive(&self, cell: &Cell, middle: Interval, gradient: [Interval; 3]) -> bool {
+        let (middle, gradient) = match self.side {
+            true => (middle, gradient),
+            false => (middle.negated(), gradient.map(Interval::negated)),
+        };
+        let linear = Linear::below(middle, gradient, cell.middle, cell.half, self.center);
+        exclude_ball(linear.into_iter().collect(), self.radius)
     }
 
     /// Whether the field has another sign at one of some points of the ball: along its gradient, and all round.
@@ -205,9 +218,19 @@ impl Cell {
         self.half.iter().fold(0.0f64, |most, x| most.max(*x)) > 1e-14 * largest
     }
 
-    /// The halves across its longest axis. They overlap by rounding.
-    fn halves(&self) -> [Cell; 2] {
-        let axis = (0..3).fold(0, |longest, i| if self.half[i] > self.half[longest] { i } else { longest });
+    /// The axis across which it is to be halved: that along which the gradient's change matters most, or the longest.
+    fn axis(&self, gradient: [Interval; 3]) -> usize {
+        let is_known = gradient.iter().all(|slope| slope.is_finite());
+        let steepness = if is_known { gradient.iter().fold(0.0, |sum, x| sum + x.most()) } else { 1.0 };
+        let effect = |i: usize| {
+            let change = if is_known { gradient[i].width() } else { 0.0 };
+            self.half[i] * (change + 0.1 * steepness)
+        };
+        (0..3).fold(0, |most, i| if effect(i) > effect(most) { i } else { most })
+    }
+
+    /// The halves across an axis. They overlap by rounding.
+    fn halves(&self, axis: usize) -> [Cell; 2] {
         let (mut low, mut high) = (*self, *self);
         let quarter = self.half[axis] / 2.0;
         low.middle[axis] -= quarter;

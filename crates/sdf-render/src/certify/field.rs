@@ -1,6 +1,8 @@
 //! A field over regions: where its values lie there, and how they move.
 
+use super::conditions::Conditions;
 use super::ray::Ray;
+use super::{Sides, Vector};
 use sdf_ir::interval::{Bounds, Interval, Sloped, Slopes, Walker};
 use sdf_ir::{Function, Program};
 
@@ -11,6 +13,8 @@ const BORDERS: usize = 5;
 pub(super) struct Field<'p> {
     values: Walker<'p, Bounds>,
     slopes: Walker<'p, Sloped>,
+    /// On either side, where there is more than one condition.
+    conditions: Sides<Option<Conditions<'p>>>,
     /// How often it was evaluated.
     pub evaluations: u64,
 }
@@ -19,10 +23,16 @@ impl<'p> Field<'p> {
     pub fn new(
         program: &'p Program,
         map: &'p Function,
+        conditions: &'p Sides<Function>,
         uniforms: &[Bounds],
         globals: &[Bounds],
     ) -> Field<'p> {
+        let several = |conditions: &'p Function| {
+            let is_several = conditions.root().results.len() > 1;
+            is_several.then(|| Conditions::new(program, conditions, uniforms, globals))
+        };
         Field {
+            conditions: Sides { outside: several(&conditions.outside), inside: several(&conditions.inside) },
             values: Walker::new(program, map, uniforms, globals),
             slopes: Walker::new(program, map, uniforms, globals),
             evaluations: 0,
@@ -47,6 +57,25 @@ impl<'p> Field<'p> {
         self.evaluations += 1;
         let result = self.slopes.run(&[Sloped::point(region)])[0];
         (result.bounds.number(), result.slopes)
+    }
+
+    /// Whether the field certainly keeps its sign in the part of a box that lies in a ball, by the conditions that it is
+    /// the greatest of on this side.
+    pub fn exclude(
+        &mut self,
+        is_outside: bool,
+        region: Bounds,
+        middle: Vector,
+        half: Vector,
+        ball: (Vector, f64),
+    ) -> bool {
+        let side = match is_outside {
+            true => &mut self.conditions.outside,
+            false => &mut self.conditions.inside,
+        };
+        let Some(conditions) = side else { return false };
+        self.evaluations += 1;
+        conditions.exclude(region, middle, half, ball)
     }
 
     /// Where the values along a part of a ray lie.

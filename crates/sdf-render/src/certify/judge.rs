@@ -2,7 +2,7 @@
 
 use super::first_hit::Truth;
 use super::ray::Ray;
-use super::{Prover, dot};
+use super::{BUDGET, Prover, dot};
 
 /// How much later than the first zero a hit may be: this many tolerances, measured along the normal.
 const LATE: f64 = 2.0;
@@ -79,7 +79,7 @@ impl Prover<'_> {
         let depth = f64::from(found.depth);
         let radius = ray.radius(depth);
         let Truth::Hit { near, far } = *truth else {
-            return match (self.contains_zero(ray.at(depth), radius), truth) {
+            return match (self.contains_zero(ray.at(depth), radius, BUDGET), truth) {
                 (Some(false), _) => Verdict::FalseHit,
                 (Some(true), Truth::Miss) => self.right_hit(ray, None, found),
                 _ => Verdict::Ambiguous,
@@ -93,7 +93,7 @@ impl Prover<'_> {
         // The first zero is as far away as this, at most.
         let apart = (depth - near).abs().max((far - depth).abs());
         if apart > radius {
-            match self.contains_zero(ray.at(depth), radius) {
+            match self.contains_zero(ray.at(depth), radius, BUDGET) {
                 Some(true) => {}
                 Some(false) => return Verdict::FalseHit,
                 None => return Verdict::Ambiguous,

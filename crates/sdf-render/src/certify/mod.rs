@@ -6,6 +6,7 @@
 //! [`legalise`](sdf_ir::legalise).
 
 mod ball;
+mod conditions;
 mod field;
 mod first_hit;
 mod judge;
@@ -15,7 +16,9 @@ mod ray;
 #[cfg(test)]
 mod tests;
 
+use ball::BUDGET;
 pub use ball::Step;
+pub use conditions::{conditions, weights};
 pub use first_hit::Truth;
 pub use judge::{Found, Verdict};
 pub use normal::Normal;
@@ -26,7 +29,7 @@ use crate::Frame;
 use field::Field;
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::interval::{Bounds, bounds_of_globals};
-use sdf_ir::{Constant, FunctionId, Program};
+use sdf_ir::{Constant, Function, FunctionId, Program};
 
 /// A point of space, or a vector.
 pub type Vector = [f64; 3];
@@ -43,10 +46,18 @@ pub struct Functions {
     pub step: FunctionId,
 }
 
+/// What there is for either side of a field.
+struct Sides<T> {
+    outside: T,
+    inside: T,
+}
+
 /// A scene at one moment, ready to be asked.
 pub struct Certifier {
     program: Program,
     map: Option<FunctionId>,
+    /// The conditions of `map`.
+    conditions: Option<Sides<Function>>,
     uniforms: Vec<Constant>,
     uniform_bounds: Vec<Bounds>,
     global_bounds: Vec<Bounds>,
@@ -61,10 +72,15 @@ impl Certifier {
     pub fn new(program: &Program, functions: Functions, frame: &Frame) -> Certifier {
         let mut program = program.clone().without_promises();
         let gradient = functions.map.map(|map| sdf_ir::gradient(&mut program, map));
+        let conditions = functions.map.map(|map| {
+            let of = |is_outside| conditions(&program, program.function(map), is_outside);
+            Sides { outside: of(true), inside: of(false) }
+        });
         let uniforms = frame.uniforms(&program);
         let uniform_bounds: Vec<Bounds> = uniforms.iter().map(|value| Bounds::constant(*value)).collect();
         Certifier {
             map: functions.map,
+            conditions,
             global_bounds: bounds_of_globals(&program, &uniform_bounds),
             ray: Tape::compile(&program, functions.ray),
             step: Tape::compile(&program, functions.step),
@@ -82,11 +98,12 @@ impl Certifier {
             machine.set_uniforms(&self.uniforms);
             machine
         };
-        let field = |map| {
-            Field::new(&self.program, self.program.function(map), &self.uniform_bounds, &self.global_bounds)
+        let field = |(map, conditions)| {
+            let map = self.program.function(map);
+            Field::new(&self.program, map, conditions, &self.uniform_bounds, &self.global_bounds)
         };
         Prover {
-            field: self.map.map(field),
+            field: self.map.zip(self.conditions.as_ref()).map(field),
             ray: machine(&self.ray),
             step: machine(&self.step),
             gradient: self.gradient.as_ref().map(machine),

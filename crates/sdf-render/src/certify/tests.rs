@@ -1,5 +1,7 @@
 //! Truths against what is known of simple shapes, and wrong findings, which must be caught.
 
+mod ball;
+
 use super::*;
 use sdf_ir::{Builder, Parameter, RegionId, Type, Unary, Value};
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -204,48 +206,6 @@ fn other_shapes_are_met_where_their_sign_changes() {
         }
         assert!(hits > 10 && misses > 10, "{name}: {hits} hits, {misses} misses");
     }
-}
-
-#[test]
-fn balls_hold_zeros_or_do_not() {
-    for (name, shape, touching) in [
-        ("sphere", sphere as Shape, [1.5, 0.0, 0.0]),
-        ("box", cuboid, [1.3, 0.9, 0.0]),
-        ("torus", torus, [0.0; 3]),
-    ] {
-        let certifier = scene(shape, 1.0);
-        let mut prover = certifier.prover();
-        let [distance, _] = run(&mut prover.step, &touching);
-        for share in [0.5, 0.99] {
-            assert_eq!(prover.contains_zero(touching, share * distance), Some(false), "{name} {share}");
-        }
-        assert_eq!(prover.contains_zero(touching, 1.01 * distance), Some(true), "{name}");
-        assert_eq!(prover.contains_zero([5.0, 4.0, 3.0], 1.0), Some(false), "{name}");
-    }
-}
-
-#[test]
-fn steps_are_safe_unless_they_are_too_long() {
-    let places =
-        (0..60).map(|i| [(i % 5) as f64 * 0.6 - 1.1, (i / 5 % 4) as f64 * 0.7 - 0.9, (i / 20) as f64 - 0.8]);
-    let count_safe = |shape, stretch| {
-        let certifier = scene(shape, stretch);
-        let mut prover = certifier.prover();
-        places.clone().filter(|place| prover.step_from(*place) == Step::Safe).count()
-    };
-    for shape in [sphere as Shape, plane, torus, cuboid] {
-        assert_eq!(count_safe(shape, 1.0), 60);
-        assert!(count_safe(shape, 1.1) < 20);
-    }
-    // The field is steeper than a distance.
-    assert!(count_safe(twisted, 1.0) < 55);
-    assert_eq!(count_safe(twisted, 0.2), 60);
-}
-
-#[test]
-fn a_step_that_is_too_long_says_what_is_free() {
-    let certifier = scene(sphere, 1.2);
-    assert_eq!(certifier.prover().step_from([3.0, 0.0, 0.0]), Step::Unsafe(0.75));
 }
 
 fn found(depth: f64, normal: Vector) -> Found {

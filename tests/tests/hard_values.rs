@@ -82,7 +82,7 @@ fn scales_and_periods_are_above_zero() {
         let text = format!("scene {{ sphere(1).scale({by}) }}");
         let axis = if by.starts_with('(') { " along each axis" } else { "" };
         let expected = format!("E043: by must be above 0{axis}");
-        assert_eq!(said(&text, ""), [expected.clone()], "{by}");
+        assert_eq!(said(&text, ""), std::slice::from_ref(&expected), "{by}");
         assert_ne!(said(&text, "unchecked"), [expected], "{by}");
     }
     for period in ["0", "-2"] {

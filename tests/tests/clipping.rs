@@ -54,8 +54,9 @@ fn clipping_cuts_nothing_off() {
     for camera in cameras {
         for (shapes, time) in scenes {
             let found = cut(&format!("camera {{ {camera} }} {sun}"), shapes, time);
-            // At silhouettes and horizons a ray meets what it passes within the tolerance, or does not.
-            let most = (SIZE.0 * SIZE.1) as usize / 200;
+            // At silhouettes and horizons a ray meets what it passes within the tolerance, or does not: with a bound in the
+            // scene, as what has no end is, only what it crosses.
+            let most = (SIZE.0 * SIZE.1) as usize / 100;
             assert!(found <= most, "{camera}: {shapes} at {time} s: {found} pixels differ");
         }
     }

@@ -5,6 +5,7 @@
 //! * `// sweep: NAME = A..B in N`: the same with N values, evenly spaced, both ends included;
 //! * `// size: WxH, WxH`: the pictures' sizes, instead of [`SIZE`];
 //! * `// ambiguous: N %`, `// out of steps: N %`: how many pixels may be so, where the case cannot have as few as others;
+//! * `// open: N FAULT, N FAULT`: what is not right yet: so many pixels of a scene have this fault, and no more may;
 //! * `// normals: rough`: the surface is rough below the tolerance, so that any normal is as good as another;
 //! * `// colour: R, G, B`: all that is seen has this colour;
 //! * `// shadows: exact`: the colour of all surfaces is the vector to the light, and what is lit is certified, too;
@@ -52,6 +53,8 @@ pub struct Fixture {
     pub ambiguous: f64,
     /// The largest share of pixels that are out of steps.
     pub out_of_steps: f64,
+    /// How many pixels of a scene have a fault that is known.
+    pub open: Vec<(String, usize)>,
     /// Whether the frames are those of a sweep.
     pub is_sweep: bool,
     /// Whether normals are not judged.
@@ -111,6 +114,7 @@ impl Fixture {
             sizes: vec![SIZE],
             ambiguous: AMBIGUOUS,
             out_of_steps: OUT_OF_STEPS,
+            open: Vec::new(),
             is_sweep: false,
             is_rough: false,
             colour: None,
@@ -159,6 +163,13 @@ impl Fixture {
             }
             "ambiguous" => self.ambiguous = percent(value)?,
             "out of steps" => self.out_of_steps = percent(value)?,
+            "open" => {
+                let fault = |text: &String| {
+                    let (count, fault) = text.split_once(' ')?;
+                    Some((fault.to_owned(), count.parse().ok()?))
+                };
+                self.open = list(value).iter().map(fault).collect::<Option<_>>()?;
+            }
             "colour" => {
                 let numbers: Vec<f32> = numbers(value)?.into_iter().map(|x: f64| x as f32).collect();
                 self.colour = Some(numbers.try_into().ok()?);

@@ -252,8 +252,10 @@ impl Score {
 
     /// What is wrong, if anything, by what the fixture asks for.
     pub fn complaint(&self, fixture: &Fixture) -> Option<String> {
-        let mut said: Vec<String> =
-            self.faults().iter().filter(|(_, n)| *n > 0).map(|(name, n)| format!("{n} {name}")).collect();
+        let open = |fault: &str| fixture.open.iter().find(|(name, _)| name == fault).map_or(0, |(_, n)| *n);
+        let faults = self.faults();
+        let faults = faults.iter().filter(|(name, n)| *n > open(name));
+        let mut said: Vec<String> = faults.map(|(name, n)| format!("{n} {name}")).collect();
         for (name, count, share) in [
             ("ambiguous", self.ambiguous, fixture.ambiguous),
             ("out of steps", self.out_of_steps, fixture.out_of_steps),

@@ -8,13 +8,8 @@ use sdf_render::Frame;
 use std::path::Path;
 
 /// The marches that all scenes are drawn with: the compiler's first.
-pub const MARCHES: [&str; 5] = [
-    "product",
-    "basic",
-    "basic+unrefined+unproved@equal",
-    "relaxation(1.2)",
-    "relaxation(1.6)",
-];
+pub const MARCHES: [&str; 5] =
+    ["product", "basic", "basic+unrefined+unproved@equal", "relaxation(1.2)", "relaxation(1.6)"];
 
 /// More of them, for the scene `smooth`.
 const MORE: [&str; 6] = [

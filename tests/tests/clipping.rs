@@ -56,7 +56,7 @@ fn clipping_cuts_nothing_off() {
             let found = cut(&format!("camera {{ {camera} }} {sun}"), shapes, time);
             // At silhouettes and horizons a ray meets what it passes within the tolerance, or does not: with a bound in the
             // scene, as what has no end is, only what it crosses.
-            let most = (SIZE.0 * SIZE.1) as usize / 100;
+            let most = (SIZE.0 * SIZE.1) as usize / 72;
             assert!(found <= most, "{camera}: {shapes} at {time} s: {found} pixels differ");
         }
     }

@@ -6,6 +6,13 @@ use sdf_tests::march::comparison::{Count, count, time};
 use sdf_tests::march::tables::{COUNTS, FACTORS, LEAST, PROVED, counts, scene};
 use sdf_tests::march::{Subject, Variant};
 use sdf_tests::scenes::{Example, examples};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What is timed is the whole process: one test after the other.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 fn small() -> Frame {
     Frame::new(160, 90)
@@ -18,6 +25,7 @@ fn of<'c>(counts: &'c [Count], march: &str) -> &'c Count {
 /// The table of what is counted, and that the compiler's march sees what there is.
 #[test]
 fn the_march_sees_what_there_is() {
+    let _alone = alone();
     let (table, scenes) = counts(&small()).unwrap_or_else(|error| panic!("{error}"));
     println!("{}", table.markdown());
     let mut complaints = String::new();
@@ -49,6 +57,7 @@ scene { for i in 0..9 { for j in 0..4 { ball.at(0.42 * (i - 4), 0.42 * (j - 2), 
 /// The naive twins: steps of which none is taken back miss what is thin, and steps that know no slope pass what is steep.
 #[test]
 fn reckless_steps_are_seen_to_be_wrong() {
+    let _alone = alone();
     for (name, text, reckless) in [("bars", BARS, "reckless(1.6)"), ("steep balls", STEEP, "global(1)")] {
         let example = Example { name: name.into(), text: text.into() };
         let counts = count(&example, &["product", "relaxation(1.6)", reckless], &small()).unwrap();
@@ -62,6 +71,7 @@ fn reckless_steps_are_seen_to_be_wrong() {
 /// One steep shape among fifty that are not: a factor on its branch alone, beside one for all.
 #[test]
 fn a_steep_shape_costs_where_it_is() {
+    let _alone = alone();
     let (example, frame) = (scene("column"), small());
     let counts = count(&example, &FACTORS, &frame).unwrap();
     let laps = time(&example, &FACTORS, &frame, 9).unwrap();
@@ -72,13 +82,17 @@ fn a_steep_shape_costs_where_it_is() {
         println!("{march}: {steps:.3} of its steps, {time:.3} of its time");
         assert!(steps <= 1.0 / slope + 0.2, "{march}: {steps} of its steps");
         // What is beyond the march, such as light, costs both the same: it weighs more beside a factor that is nearer to one.
-        assert!(time <= 1.0 / slope + 0.45, "{march}: {time} of its time");
+        assert!(
+            time <= 1.0 / slope + if slope == PROVED { 0.3 } else { 0.35 },
+            "{march}: {time} of its time"
+        );
     }
 }
 
 /// Where no field is steep, a program has no trace of what is done about those that are.
 #[test]
 fn what_is_not_steep_costs_nothing() {
+    let _alone = alone();
     let text = |name: &str, march: &str| {
         let subject = Subject::new(&scene(name), &Variant::named(march).unwrap()).unwrap();
         emit(&subject.program, Target::Wgsl, &Header::default()).unwrap()
@@ -91,9 +105,10 @@ fn what_is_not_steep_costs_nothing() {
 }
 
 /// The march against the textbook's, with the same tolerance, and what is proved of a hit is the same. Whole pictures, by the
-/// time of all processors; `march_times.md` has them measured at length. Beyond 5 % there is room for what else runs here.
+/// time of all processors; `march_times.md` has them measured at length.
 #[test]
 fn no_example_takes_longer_than_with_basic_steps() {
+    let _alone = alone();
     let mut complaints = String::new();
     for example in examples() {
         let counts = count(&example, &["product", "basic"], &small()).unwrap();
@@ -101,7 +116,7 @@ fn no_example_takes_longer_than_with_basic_steps() {
         for lap in time(&example, &marches, &Frame::new(320, 180), 9).unwrap().iter().skip(1) {
             let ratio = 1.0 / lap.whole.processors_ratio;
             println!("{}: {ratio:.3} of the time of {}", example.name, lap.march);
-            if ratio > 1.1 {
+            if ratio > 1.05 {
                 complaints += &format!("{}: {ratio:.3} of the time of {}\n", example.name, lap.march);
             }
         }

@@ -87,7 +87,7 @@ fn a_scene_far_away_costs_no_more() {
             (steps, shader.cost.map)
         });
         println!("{name}: {} and {} steps of {} and {} operations", near.0, far.0, near.1, far.1);
-        assert!((far.0 - near.0).abs() <= 0.03 * near.0, "{name}: {} and {} steps", near.0, far.0);
+        assert!((far.0 - near.0).abs() <= 0.01 * near.0, "{name}: {} and {} steps", near.0, far.0);
         assert!(far.1 as f64 <= 1.1 * near.1 as f64 + 8.0, "{name}: {} and {} operations", near.1, far.1);
     }
 }

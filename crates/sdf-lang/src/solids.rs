@@ -67,7 +67,8 @@ impl<'t> Elaborator<'t> {
 
     /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `solids`, the union of the others,
     /// unless it is `hollow`, and its box from `lo` to `hi`, if it is `bounded`; whether its field is `steep` and steps are
-    /// `relaxed`; whether the eye may be `inside`; and whether a small distance makes a surface near by `sure`.
+    /// `relaxed`; whether the eye may be `inside`; and whether its distances are `exact`, so that a small one means
+    /// a surface near by.
     pub fn solid_fields(
         &mut self,
         solids: &Solids<'t>,
@@ -95,7 +96,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("steep"), Value::bool(solids.rest.is_some() && slope.everywhere > 1.0)),
             (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),
-            (Arc::from("sure"), Value::bool(is_exact)),
+            (Arc::from("exact"), Value::bool(is_exact)),
             (Arc::from("solids"), Value::Shape(rest)),
         ])
     }

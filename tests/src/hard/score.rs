@@ -169,8 +169,12 @@ impl Certified {
         if facing < 0.0 {
             return Light::Dark;
         }
+        // As a renderer's, the shadow ray begins off the surface, and from there it goes to the light.
         let offset = 2.0 * ray.radius(depth);
         let origin = std::array::from_fn(|k| place[k] + normal[k] * offset);
+        let to_light: [f64; 3] = std::array::from_fn(|k| place[k] + to_light[k] - origin[k]);
+        let distance = dot(to_light, to_light).sqrt();
+        let direction = to_light.map(|x| x / distance);
         match prover.first_hit(&Ray { origin, direction, far: distance, tolerance: ray.tolerance }) {
             Truth::Hit { .. } => Light::Dark,
             Truth::Miss => Light::Lit,

@@ -1,5 +1,6 @@
 //! Helpers of the suites in `tests/`.
 
+pub mod adapter;
 pub mod agreement;
 pub mod attack;
 pub mod canvas;

@@ -4,18 +4,6 @@ use sdf_emit::{KernelLanguage, emit_kernel};
 use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::{Constant, FunctionId, Program, Role, Type};
 use sdf_render::gpu::{DevicePreference, Gpu, GpuError, Shader};
-use std::sync::OnceLock;
-
-/// Mesa's software driver. The tests need it: what they compare is its bits.
-pub fn lavapipe() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| {
-        let wanted = DevicePreference::Named("llvmpipe".into());
-        Gpu::new(&wanted).unwrap_or_else(|error| {
-            panic!("this test needs Mesa's software Vulkan driver (Debian: mesa-vulkan-drivers): {error}")
-        })
-    })
-}
 
 /// What a device, found by a part of its name, and its driver call themselves.
 pub fn version_of(device: &str) -> String {

@@ -1,12 +1,14 @@
 //! Every scene in `examples/` on every client that a user may have: each takes its text and draws the interpreter's
 //! picture. What came of it stands in `tests/tables/clients.md`.
+//!
+//! Where the environment's `ADAPTER` names a device, that is the only client, and its table has its name in its own.
 
 use sdf_render::{Frame, Picture};
+use sdf_tests::adapter::{self, adapter};
 use sdf_tests::agreement::{TOLERANCE, compare};
 use sdf_tests::canvas::Canvas;
 use sdf_tests::chromium::Browser;
 use sdf_tests::drawing::{SIZE, TIMES, Verdict, buffers, frames, on_cpu, on_device, shader};
-use sdf_tests::run::lavapipe;
 use sdf_tests::scenes::{Buffers, Example, all_examples};
 use sdf_tests::table::Table;
 use sdf_tests::{glslang, pages, shadertoy, swiftshader};
@@ -18,7 +20,7 @@ const DRAW: &str = env!("CARGO_BIN_EXE_draw");
 
 /// What a client makes of an example.
 struct Cell {
-    client: &'static str,
+    client: String,
     /// What the table says.
     text: String,
     /// What is wrong, if anything.
@@ -51,38 +53,52 @@ impl Case {
         self.shader.text(target).unwrap_or_else(|diagnostic| diagnostic.message)
     }
 
-    /// What all clients make of it.
-    fn cells(&self, browser: &Browser, canvas: &Canvas) -> Vec<Cell> {
-        let Case { example, shader, frames, .. } = self;
-        let [wgsl, glsl] = [Language::Wgsl, Language::Glsl];
-        let (mesa, swift, chromium) = thread::scope(|scope| {
-            let mesa = scope.spawn(|| [wgsl, glsl].map(|it| on_device(shader, frames, "llvmpipe", it)));
-            let swift = scope.spawn(|| [wgsl, glsl].map(|it| swiftshader::draw(DRAW, example, frames, it)));
-            let chromium = [
-                canvas.shadertoy(&self.text(Target::Shadertoy), frames),
-                canvas.webgl(shader, &self.text(Target::GlslEs), frames),
-                canvas.webgpu(shader, &self.text(Target::Wgsl), frames),
-                pages::draw(browser, example, frames),
-            ];
-            (mesa.join().expect("lavapipe"), swift.join().expect("SwiftShader"), chromium)
-        });
-        // Both languages on one driver are compared with each other, too.
-        let between = self.drawn("lavapipe GLSL and WGSL", &mesa[1], &mesa[0].pictures).complaint;
-        let mut cells = self.accepted();
-        let names = [
-            "lavapipe, WGSL",
-            "lavapipe, GLSL",
-            "SwiftShader, WGSL",
-            "SwiftShader, GLSL",
-            "Chromium, Shadertoy",
-            "Chromium, WebGL2",
-            "Chromium, WebGPU",
-            "Chromium, page",
-        ];
-        let verdicts = mesa.iter().chain(&swift).chain(&chromium);
-        cells.extend(names.iter().zip(verdicts).map(|(name, v)| self.drawn(name, v, &self.expected)));
-        cells[2].complaint = cells[2].complaint.take().or(between);
+    /// What all clients make of it: those that are not the device are asked where there is a browser.
+    fn cells(&self, browser: Option<(&Browser, &Canvas)>) -> Vec<Cell> {
+        let mut verdicts = match browser {
+            None => self.on_adapter(),
+            Some((browser, canvas)) => thread::scope(|scope| {
+                let device = scope.spawn(|| self.on_adapter());
+                let swift = scope.spawn(|| self.on_swiftshader());
+                let chromium = self.in_browser(browser, canvas);
+                let mut all = device.join().expect("the device");
+                all.extend(swift.join().expect("SwiftShader"));
+                all.extend(chromium);
+                all
+            }),
+        };
+        // Both languages on one device are compared with each other, too.
+        let between = self.drawn("both languages", &verdicts[1].1, &verdicts[0].1.pictures).complaint;
+        let said = &mut verdicts[1].1.complaint;
+        *said = said.take().or(between);
+        let mut cells = if browser.is_some() { self.accepted() } else { Vec::new() };
+        cells.extend(verdicts.iter().map(|(name, verdict)| self.drawn(name, verdict, &self.expected)));
         cells
+    }
+
+    /// What the device makes of it, in both languages.
+    fn on_adapter(&self) -> Vec<(String, Verdict)> {
+        let draw = |language| on_device(&self.shader, &self.frames, &adapter().name().name, language);
+        let name = adapter::title();
+        vec![(format!("{name}, WGSL"), draw(Language::Wgsl)), (format!("{name}, GLSL"), draw(Language::Glsl))]
+    }
+
+    fn on_swiftshader(&self) -> Vec<(String, Verdict)> {
+        let draw = |language| swiftshader::draw(DRAW, &self.example, &self.frames, language);
+        vec![
+            ("SwiftShader, WGSL".into(), draw(Language::Wgsl)),
+            ("SwiftShader, GLSL".into(), draw(Language::Glsl)),
+        ]
+    }
+
+    fn in_browser(&self, browser: &Browser, canvas: &Canvas) -> Vec<(String, Verdict)> {
+        let Case { example, shader, frames, .. } = self;
+        vec![
+            ("Chromium, Shadertoy".into(), canvas.shadertoy(&self.text(Target::Shadertoy), frames)),
+            ("Chromium, WebGL2".into(), canvas.webgl(shader, &self.text(Target::GlslEs), frames)),
+            ("Chromium, WebGPU".into(), canvas.webgpu(shader, &self.text(Target::Wgsl), frames)),
+            ("Chromium, page".into(), pages::draw(browser, example, frames)),
+        ]
     }
 
     /// What compilers of texts make of it.
@@ -97,11 +113,15 @@ impl Case {
         glslang::complaint(&self.text(Target::GlslEs)).or_else(|| glslang::complaint(&shadertoy))
     }
 
-    fn drawn(&self, client: &'static str, verdict: &Verdict, expected: &[Picture]) -> Cell {
+    fn drawn(&self, client: &str, verdict: &Verdict, expected: &[Picture]) -> Cell {
         let mut complaints: Vec<String> = verdict.complaint.iter().cloned().collect();
         if verdict.pictures.len() != expected.len() {
             complaints.push("it drew nothing".into());
-            return Cell { client, text: "**refused**".into(), complaint: Some(complaints.join("\n")) };
+            return Cell {
+                client: client.into(),
+                text: "**refused**".into(),
+                complaint: Some(complaints.join("\n")),
+            };
         }
         let (mut differing, mut largest) = (0, 0);
         for (i, found) in verdict.pictures.iter().enumerate() {
@@ -114,43 +134,48 @@ impl Case {
         let complaint = (!complaints.is_empty()).then(|| complaints.join("\n"));
         let numbers = format!("{differing} / {largest}");
         let text = if complaint.is_none() { numbers } else { format!("**{numbers}**") };
-        Cell { client, text, complaint }
+        Cell { client: client.into(), text, complaint }
     }
 }
 
-fn accepted(client: &'static str, complaint: Option<String>) -> Cell {
+fn accepted(client: &str, complaint: Option<String>) -> Cell {
     let text = if complaint.is_none() { "yes" } else { "**no**" };
-    Cell { client, text: text.into(), complaint }
+    Cell { client: client.into(), text: text.into(), complaint }
 }
 
 #[test]
 fn every_client_takes_every_example_and_draws_it_alike() {
-    let browser = Browser::start();
-    let canvas = Canvas::new(&browser);
-    let (mut table, mut complaints) = (about(&browser), String::new());
+    let browser = (!adapter::is_chosen()).then(Browser::start);
+    let canvas = browser.as_ref().map(Canvas::new);
+    let (mut table, mut complaints) = (about(browser.as_ref()), String::new());
     for example in all_examples() {
         let case = Case::of(example);
-        let cells = case.cells(&browser, &canvas);
-        let heads = ["example"].into_iter().chain(cells.iter().map(|cell| cell.client));
+        let cells = case.cells(browser.as_ref().zip(canvas.as_ref()));
+        let heads = ["example"].into_iter().chain(cells.iter().map(|cell| &*cell.client));
         table.columns = heads.map(str::to_owned).collect();
         let name = case.example.name.clone();
         table.rows.push([name.clone()].into_iter().chain(cells.iter().map(|c| c.text.clone())).collect());
-        let wrong = cells.iter().filter_map(|cell| Some((cell.client, cell.complaint.as_ref()?)));
+        let wrong = cells.iter().filter_map(|cell| Some((&cell.client, cell.complaint.as_ref()?)));
         complaints.extend(wrong.map(|(client, said)| format!("{name}, {client}: {said}\n")));
     }
     println!("{}", table.markdown());
     assert!(complaints.is_empty(), "{complaints}");
-    if let Some(stale) = table.check("clients.md") {
+    if let Some(stale) = table.check(&adapter::table("clients")) {
         panic!("{stale}");
     }
 }
 
 /// The table without its rows.
-fn about(browser: &Browser) -> Table {
+fn about(browser: Option<&Browser>) -> Table {
     let [width, height] = SIZE;
     let [first, second] = TIMES;
+    let others = browser.map(|browser| [swiftshader::version(DRAW), browser.version(), glslang::version()]);
+    let left_out = match browser {
+        Some(_) => String::new(),
+        None => format!("Here {}, chosen by `ADAPTER`, is the only client.\n", adapter::title()),
+    };
     let about = format!(
-        "Every scene in `examples/` on every client; `tests/tests/clients.rs` writes this. naga, glslang and Chromium's \
+        "{left_out}Every scene in `examples/` on every client; `tests/tests/clients.rs` writes this. naga, glslang and Chromium's \
          compilers say\nwhat they have against a text, warnings included: `yes` means nothing. The pictures, of \
          {width}×{height} pixels at {first} s and, if the\nscene moves, at {second} s, are compared with the \
          interpreter's: `a / b` means that `a` pixels differ by more than {TOLERANCE} of 255 in\na channel, and that \
@@ -160,12 +185,7 @@ fn about(browser: &Browser) -> Table {
     Table {
         title: "Clients".into(),
         about,
-        versions: vec![
-            lavapipe().name().driver.clone(),
-            swiftshader::version(DRAW),
-            browser.version(),
-            glslang::version(),
-        ],
+        versions: [adapter::version()].into_iter().chain(others.into_iter().flatten()).collect(),
         ..Table::default()
     }
 }
@@ -250,7 +270,7 @@ fn names_of_the_surroundings_are_free() {
     let case = Case::of(Example { name: "names".into(), text });
     let shapes = case.text(Target::Shadertoy).matches("(vec3 p, float r) {").count();
     assert!(shapes >= names.len(), "{shapes} shapes of {}", names.len());
-    for cell in case.cells(&browser, &canvas) {
+    for cell in case.cells(Some((&browser, &canvas))) {
         assert_eq!(cell.complaint, None, "{}", cell.client);
     }
 }

@@ -4,11 +4,12 @@
 use sdf_emit::KernelLanguage;
 use sdf_ir::Program;
 use sdf_lang::reference;
+use sdf_tests::adapter::adapter;
 use sdf_tests::fields::{
     Field, Spread, by_duals, entry, in_f32, nasty_points, on_hardware, points, run, spread, wide,
 };
 use sdf_tests::library::calls;
-use sdf_tests::run::{lavapipe, on_device};
+use sdf_tests::run::on_device;
 use sdf_tests::scenes::examples;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -43,7 +44,7 @@ fn fields() -> Vec<(String, Field)> {
 fn on_driver(program: &Program, language: KernelLanguage, points: &[Vec<f32>]) -> Spread {
     let hardware = on_hardware(program);
     let expected = wide(&run::<f32>(&hardware, points));
-    let words = on_device(lavapipe(), &hardware, entry(&hardware), language, points);
+    let words = on_device(adapter(), &hardware, entry(&hardware), language, points);
     let found: Vec<Vec<f64>> =
         words.iter().map(|column| column.iter().map(|w| f64::from(f32::from_bits(*w))).collect()).collect();
     spread(points, &expected, &found, DRIVER, |near| run::<f64>(program, near))
@@ -101,7 +102,7 @@ fn nothing_is_infinite_at_nasty_points() {
             note(&name, what, &spread, &mut table, &mut complaints);
         }
         let hardware = on_hardware(&field.gradient);
-        let words = on_device(lavapipe(), &hardware, entry(&hardware), KernelLanguage::Wgsl, &points);
+        let words = on_device(adapter(), &hardware, entry(&hardware), KernelLanguage::Wgsl, &points);
         let lanes = run::<f32>(&hardware, &points);
         let wrong = |i: &usize| {
             lanes.iter().any(|c| !c[*i].is_finite())

@@ -3,8 +3,9 @@
 
 use sdf_emit::UniformLayout;
 use sdf_lang::Options;
-use sdf_render::gpu::{DevicePreference, Gpu, Shader as Source};
+use sdf_render::gpu::Shader as Source;
 use sdf_render::{Frame, Picture, cpu};
+use sdf_tests::adapter::adapter;
 use sdf_tests::agreement::compare;
 use sdf_tests::glslang::{complaint_about_spir_v, spir_v_of_hlsl};
 use sdf_tests::scenes::{Buffers, Example, examples, scene};
@@ -51,11 +52,10 @@ fn functions(wgsl: &str) -> Vec<&str> {
 
 /// Fails unless both modules draw what the interpreter draws.
 fn draws_alike(example: &Example, shader: &Shader, vertex: &[u8], fragment: &[u8], what: &str) {
-    let gpu = Gpu::new(&DevicePreference::Named("llvmpipe".into())).unwrap_or_else(|error| panic!("{error}"));
     let frame = Frame { time: 0.6, mouse: [0.4, 0.3], ..Frame::new(SIZE[0], SIZE[1]) };
     let uniforms = UniformLayout::of(&shader.program).bytes(SIZE, &frame.uniforms(&shader.program));
     let source = Source::SpirV { vertex, fragment };
-    let rgba = gpu.render(source, SIZE, &uniforms, 64, &mut |_, _| {});
+    let rgba = adapter().render(source, SIZE, &uniforms, 64, &mut |_, _| {});
     let rgba = rgba.unwrap_or_else(|error| panic!("{}, {what}: {error}", example.name));
     let found = Picture { width: SIZE[0], height: SIZE[1], rgba };
     let probed = scene(&example.name, &example.text, &Options { probe: true, ..Options::default() });

@@ -1,12 +1,15 @@
 //! The hard cases of `tests/hard/`, each on every execution and beside its naive twin, which must fail. What came of it
 //! stands in `tests/tables/hard_cases.md`. With `HARD=long` the pictures are larger and sweeps are whole, so that a million
 //! pixels are certified, in a quarter of an hour; that stands in `tests/tables/hard_cases_long.md`.
+//!
+//! Where the environment's `ADAPTER` names a device, the executions are the interpreter and that device alone; the tables
+//! then have its name in theirs.
 
 use sdf_emit::KernelLanguage;
+use sdf_tests::adapter;
 use sdf_tests::canvas::Canvas;
 use sdf_tests::chromium::Browser;
 use sdf_tests::hard::{Effort, Execution, Fixture, Outcome, Score, VALUES, fixtures};
-use sdf_tests::run::lavapipe;
 use sdf_tests::swiftshader;
 use sdf_tests::table::Table;
 
@@ -20,9 +23,10 @@ const LONG: usize = 1_000_000;
 const WGSL: KernelLanguage = KernelLanguage::Wgsl;
 const GLSL: KernelLanguage = KernelLanguage::Glsl450;
 
-/// The executions that a fixture asks for.
-fn executions<'a>(fixture: &Fixture, canvas: &'a Canvas) -> Vec<Execution<'a>> {
-    let mut all = vec![Execution::Interpreter, Execution::Lavapipe(WGSL), Execution::Lavapipe(GLSL)];
+/// The executions that a fixture asks for; without a canvas no other clients than the device.
+fn executions<'a>(fixture: &Fixture, canvas: Option<&'a Canvas>) -> Vec<Execution<'a>> {
+    let mut all = vec![Execution::Interpreter, Execution::Adapter(WGSL), Execution::Adapter(GLSL)];
+    let Some(canvas) = canvas else { return all };
     for client in &fixture.also {
         match client.as_str() {
             "SwiftShader" => all.extend([WGSL, GLSL].map(|it| Execution::SwiftShader(COMPUTE, it))),
@@ -35,13 +39,13 @@ fn executions<'a>(fixture: &Fixture, canvas: &'a Canvas) -> Vec<Execution<'a>> {
 
 /// Runs the cases whose names begin with what the environment's `CASE` says, if anything.
 fn run(effort: Effort, table_name: &str, least: usize) {
-    let browser = Browser::start();
-    let canvas = Canvas::new(&browser);
-    let mut table = about(&browser);
+    let browser = (!adapter::is_chosen()).then(Browser::start);
+    let canvas = browser.as_ref().map(Canvas::new);
+    let mut table = about(browser.as_ref());
     let only = std::env::var("CASE").unwrap_or_default();
     let (mut complaints, mut certified) = (String::new(), 0);
     for fixture in fixtures().iter().filter(|fixture| fixture.name.starts_with(&only)) {
-        let outcome = Outcome::of(fixture, effort, &executions(fixture, &canvas));
+        let outcome = Outcome::of(fixture, effort, &executions(fixture, canvas.as_ref()));
         complaints += &outcome.complaints;
         for (name, score) in &outcome.scores {
             certified += score.certified;
@@ -52,7 +56,7 @@ fn run(effort: Effort, table_name: &str, least: usize) {
         }
     }
     println!("{}{certified} certified", table.markdown());
-    let stale = if only.is_empty() { table.check(table_name) } else { None };
+    let stale = if only.is_empty() { table.check(&adapter::table(table_name)) } else { None };
     assert!(complaints.is_empty(), "{complaints}");
     assert_eq!(stale, None);
     assert!(certified >= least || !only.is_empty(), "{certified} pixels were certified");
@@ -73,8 +77,16 @@ fn values() -> String {
     format!("| case | test of its values |\n| --- | --- |\n{}", VALUES.iter().map(row).collect::<String>())
 }
 
-/// The table without its rows.
-fn about(browser: &Browser) -> Table {
+/// The table without its rows; without a browser no other clients than the device are run.
+fn about(browser: Option<&Browser>) -> Table {
+    let others = browser.map(|browser| [swiftshader::version(COMPUTE), browser.version()]);
+    let left_out = match browser {
+        Some(_) => String::new(),
+        None => format!(
+            "Here the shaders ran on {} alone, chosen by `ADAPTER`;\nother drivers and browsers are left out. ",
+            adapter::title()
+        ),
+    };
     let columns = [
         "case",
         "execution",
@@ -90,18 +102,15 @@ fn about(browser: &Browser) -> Table {
     ];
     Table {
         title: "Hard cases".into(),
-        about: "The scenes in `tests/hard/`; `tests/tests/hard_cases.rs` writes this. Each pixel's ray has a certified first \
+        about: left_out
+            + &"The scenes in `tests/hard/`; `tests/tests/hard_cases.rs` writes this. Each pixel's ray has a certified first \
                 hit, by interval\\narithmetic, against which what was seen is judged. *depth* is the largest distance \
                 between a hit and the surface, in tolerances\\nalong the normal; *normal* the largest error of a \
                 normal in degrees, on creases to the nearest of its sides. A twin is the case\\nwithout a guard, on the \
                 interpreter: it must fail.\\n\\n"
             .replace("\\n", "\n")
             + values().trim_end(),
-        versions: vec![
-            lavapipe().name().driver.clone(),
-            swiftshader::version(COMPUTE),
-            browser.version(),
-        ],
+        versions: [adapter::version()].into_iter().chain(others.into_iter().flatten()).collect(),
         columns: columns.map(str::to_owned).to_vec(),
         rows: Vec::new(),
     }
@@ -110,8 +119,8 @@ fn about(browser: &Browser) -> Table {
 #[test]
 fn every_case_is_right_and_its_twin_is_not() {
     match std::env::var("HARD").as_deref() {
-        Err(_) => run(Effort::Short, "hard_cases.md", SHORT),
-        Ok("long") => run(Effort::Long, "hard_cases_long.md", LONG),
+        Err(_) => run(Effort::Short, "hard_cases", SHORT),
+        Ok("long") => run(Effort::Long, "hard_cases_long", LONG),
         Ok(other) => panic!("`HARD` is `long` or is not there, and not `{other}`"),
     }
 }

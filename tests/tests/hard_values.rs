@@ -4,10 +4,11 @@
 use sdf_emit::{KernelLanguage, emit_kernel};
 use sdf_ir::Program;
 use sdf_lang::Options;
+use sdf_tests::adapter::{self, adapter};
 use sdf_tests::fields::{entry, on_hardware, run, wide};
 use sdf_tests::hard::twin::Twin;
 use sdf_tests::numbers::word;
-use sdf_tests::run::{Kernel, lavapipe};
+use sdf_tests::run::Kernel;
 use sdf_tests::scenes::scene;
 use sdf_tests::swiftshader;
 
@@ -111,8 +112,12 @@ fn the_floor_modulo_stays_in_its_period() {
     let mut found = vec![in_f32(&modulo, &points)];
     for language in [KernelLanguage::Wgsl, KernelLanguage::Glsl450] {
         let kernel = Kernel::of(&hardware, entry(&hardware), language, &[], &points);
-        let on_swiftshader = swiftshader::compute(COMPUTE, &kernel).unwrap_or_else(|said| panic!("{said}"));
-        for words in [kernel.on_device(lavapipe()), kernel.columns(&on_swiftshader)] {
+        let mut drivers = vec![kernel.on_device(adapter())];
+        if !adapter::is_chosen() {
+            let words = swiftshader::compute(COMPUTE, &kernel).unwrap_or_else(|said| panic!("{said}"));
+            drivers.push(kernel.columns(&words));
+        }
+        for words in drivers {
             found.push(words[0].iter().map(|bits| f64::from(f32::from_bits(*bits))).collect());
         }
     }
@@ -120,7 +125,7 @@ fn the_floor_modulo_stays_in_its_period() {
         let expected = |x: &f32| f64::from(*x).rem_euclid(3.0);
         x.iter().zip(values).filter(|(x, found)| (expected(x) - **found).abs() > 1e-6).count()
     };
-    assert_eq!(found.iter().map(|values| wrong(values)).collect::<Vec<_>>(), [0; 5]);
+    assert_eq!(found.iter().map(|values| wrong(values)).collect::<Vec<_>>(), vec![0; found.len()]);
     assert!(wrong(&in_f32(&naive, &points)) > 1000);
 }
 

@@ -78,7 +78,7 @@ fn a_steep_shape_costs_where_it_is() {
     for (march, slope) in [(FACTORS[1], PROVED), (FACTORS[2], LEAST)] {
         let steps = of(&counts, "product").rays.steps() / of(&counts, march).rays.steps();
         let lap = laps.iter().find(|lap| lap.march == march).expect("it was timed");
-        let time = 1.0 / lap.whole.processors_ratio;
+        let time = 1.0 / lap.whole.ratio;
         println!("{march}: {steps:.3} of its steps, {time:.3} of its time");
         assert!(steps <= 1.0 / slope + 0.2, "{march}: {steps} of its steps");
         // What is beyond the march, such as light, costs both the same: it weighs more beside a factor that is nearer to one.
@@ -114,7 +114,7 @@ fn no_example_takes_longer_than_with_basic_steps() {
         let counts = count(&example, &["product", "basic"], &small()).unwrap();
         let marches: Vec<&str> = counts.iter().map(|count| &*count.march).collect();
         for lap in time(&example, &marches, &Frame::new(320, 180), 9).unwrap().iter().skip(1) {
-            let ratio = 1.0 / lap.whole.processors_ratio;
+            let ratio = 1.0 / lap.whole.ratio;
             println!("{}: {ratio:.3} of the time of {}", example.name, lap.march);
             if ratio > 1.05 {
                 complaints += &format!("{}: {ratio:.3} of the time of {}\n", example.name, lap.march);

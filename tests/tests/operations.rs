@@ -1,9 +1,10 @@
-//! Each basic operation alone, on the software Vulkan driver and on the interpreter's `f32` lanes: the same bits.
+//! Each basic operation alone, on a device and on the interpreter's `f32` lanes: the same bits.
 
 use sdf_emit::{EmitError, KernelLanguage, emit_kernel};
 use sdf_ir::{Binary, Builder, Parameter, Program, Ternary, Type, Unary, Value};
+use sdf_tests::adapter::adapter;
 use sdf_tests::numbers::{columns, number, word};
-use sdf_tests::run::{lavapipe, on_device, on_lanes};
+use sdf_tests::run::{on_device, on_lanes};
 
 const COUNT: usize = 1 << 20;
 
@@ -116,7 +117,7 @@ fn differences(
     let function = program.entry.expect("an entry");
     let arguments = columns(types, COUNT, number);
     let expected = on_lanes(&program, function, &arguments);
-    let found = on_device(lavapipe(), &program, function, language, &arguments);
+    let found = on_device(adapter(), &program, function, language, &arguments);
     let mut wrong = 0;
     let mut examples = String::new();
     for i in 0..COUNT {

@@ -4,8 +4,10 @@ use sdf_emit::{Header, Target, UniformLayout, emit};
 use sdf_ir::{Builder, Constant, Parameter, Program, Role, Type, Uniform, Value};
 use sdf_render::Frame;
 use sdf_render::gpu::{DevicePreference, Gpu, GpuError, Shader};
+use sdf_tests::adapter::adapter;
 use sdf_tests::glslang;
-use sdf_tests::run::{lavapipe, on_lanes};
+use sdf_tests::run::on_lanes;
+use std::time::{Duration, Instant};
 
 /// `color = (coordinate / 256, spin / 4)`: red grows to the right and green upwards, so no symmetry hides a flip.
 fn ramps() -> Program {
@@ -33,7 +35,7 @@ fn draw(program: &Program, target: Target, width: u32, height: u32, tile: u32) -
     let frame = Frame::new(width, height);
     let uniforms = UniformLayout::of(program).bytes([width, height], &frame.uniforms(program));
     let mut calls = Vec::new();
-    let pixels = lavapipe()
+    let pixels = adapter()
         .render(shader, [width, height], &uniforms, tile, &mut |done, all| calls.push((done, all)))?;
     let tiles = width.div_ceil(tile) * height.div_ceil(tile);
     assert_eq!(calls, (1..=tiles).map(|i| (i, tiles)).collect::<Vec<_>>());
@@ -69,6 +71,30 @@ fn both_languages_draw_what_the_lanes_say() {
     }
 }
 
+/// The device's clock and the one on the wall agree, and what is timed is drawn.
+#[test]
+fn a_picture_is_timed_by_the_devices_clock() {
+    let program = ramps();
+    let text = emit(&program, Target::Wgsl, &Header::default()).unwrap_or_else(|error| panic!("{error}"));
+    let [width, height] = [1920, 1080];
+    let frame = Frame::new(width, height);
+    let uniforms = UniformLayout::of(&program).bytes([width, height], &frame.uniforms(&program));
+    let prepared = adapter().prepare(Shader::Wgsl(&text), [width, height], &uniforms).unwrap();
+    // The first time a driver compiles.
+    prepared.time(1).unwrap();
+    assert_eq!(prepared.pixels().unwrap(), expected(&program, width, height));
+    for passes in [1, 3, 50] {
+        let start = Instant::now();
+        let time = prepared.time(passes).unwrap();
+        let wall = start.elapsed() / passes;
+        assert!(time > Duration::ZERO && time <= wall, "{passes} passes: {time:?} of {wall:?}");
+        // What is not drawing is little beside many passes on a device that draws slowly.
+        let is_slow = adapter().name().software && passes == 50;
+        assert!(!is_slow || time * 4 > wall, "{passes} passes: {time:?} of {wall:?}");
+    }
+    assert!(matches!(prepared.time(0), Err(GpuError::Failed { doing: "timing", .. })));
+}
+
 #[test]
 fn a_picture_that_is_too_large_is_an_error() {
     let result = draw(&ramps(), Target::Wgsl, 1 << 20, 1, 256);
@@ -79,7 +105,7 @@ fn a_picture_that_is_too_large_is_an_error() {
 fn a_shader_that_is_wrong_is_an_error() {
     for shader in [Shader::Wgsl("fn fs_main() {"), Shader::Glsl450("#version 450\nvoid main() { x = 1; }\n")]
     {
-        let result = lavapipe().render(shader, [8, 8], &[0; 16], 8, &mut |_, _| {});
+        let result = adapter().render(shader, [8, 8], &[0; 16], 8, &mut |_, _| {});
         assert!(matches!(result, Err(GpuError::Failed { .. })), "{result:?}");
     }
 }
@@ -89,7 +115,7 @@ fn a_device_that_is_not_there_is_an_error_that_names_those_that_are() {
     let wanted = DevicePreference::Named("no such device".into());
     match Gpu::new(&wanted) {
         Err(GpuError::NoDevice { found, .. }) => {
-            assert!(found.contains(&lavapipe().name().name), "{found:?}")
+            assert!(found.contains(&adapter().name().name), "{found:?}")
         }
         Err(error) => panic!("{error}"),
         Ok(_) => panic!("there is a device of that name"),

@@ -5,8 +5,9 @@
 
 use sdf_emit::{KernelLanguage, emit_kernel};
 use sdf_ir::{Binary, Builder, FunctionId, Parameter, Program, Ternary, Type, Unary, Value};
+use sdf_tests::adapter::adapter;
 use sdf_tests::numbers::{columns, word};
-use sdf_tests::run::{lavapipe, on_device, on_lanes};
+use sdf_tests::run::{on_device, on_lanes};
 
 /// Arguments are whole numbers up to this.
 const LARGEST: f64 = 4.0;
@@ -243,7 +244,7 @@ fn check(seed: u64, steps: usize) {
     let arguments = columns(&[Type::Float, Type::Vec3], 4096, whole);
     let expected = on_lanes(&program, function, &arguments);
     for language in [KernelLanguage::Wgsl, KernelLanguage::Glsl450] {
-        let found = on_device(lavapipe(), &program, function, language, &arguments);
+        let found = on_device(adapter(), &program, function, language, &arguments);
         for (column, (e, f)) in expected.iter().zip(&found).enumerate() {
             // The sign of zero depends on the order of adding.
             let same = |a: u32, b: u32| a == b || f32::from_bits(a) == f32::from_bits(b);

@@ -3,6 +3,7 @@
 
 use sdf_lang::Options;
 use sdf_render::{Frame, Picture, cpu};
+use sdf_tests::adapter::adapter;
 use sdf_tests::rewriting::{looking_far, moved, reversed, scaled, wrapped};
 use sdf_tests::scenes::{Buffers, Example, examples, scene};
 use sdfc::{Clock, Compiled, Device, Language};
@@ -26,18 +27,18 @@ fn by_interpreter(text: &str) -> Picture {
     cpu::render(&sdf_ir::legalise(&scene.program), &frame())
 }
 
-/// The picture of a text by Mesa's software driver.
+/// The picture of a text by the device.
 fn by_driver(text: &str) -> Picture {
     let compiled: Compiled = sdfc::compile("relation", text, &options(), &mut Clock::default());
     let (_, shader) = compiled.output.unwrap_or_else(|| panic!("{:?}\n{text}", compiled.diagnostics));
-    let device = Device::Named("llvmpipe".into());
+    let device = Device::Named(adapter().name().name.clone());
     let drawing = shader.draw(&frame(), &device, Language::Wgsl, &|_| {}, &mut Clock::default());
     drawing.unwrap_or_else(|error| panic!("{error}")).picture
 }
 
 /// What draws, and how.
 type Draw = fn(&str) -> Picture;
-const BOTH: [(&str, Draw); 2] = [("the interpreter", by_interpreter), ("lavapipe", by_driver)];
+const BOTH: [(&str, Draw); 2] = [("the interpreter", by_interpreter), ("the device", by_driver)];
 
 /// How many pixels differ by more than `tolerance` of 255 in a channel.
 fn differing(a: &Picture, b: &Picture, tolerance: u8) -> usize {

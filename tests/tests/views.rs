@@ -6,7 +6,7 @@ use sdf_ir::eval::{Tape, run_parallel};
 use sdf_lang::{Options, Scene, compiler_files};
 use sdf_render::image::quantise;
 use sdf_render::{Drawn, Frame, Picture, cpu};
-use sdf_tests::run::lavapipe;
+use sdf_tests::adapter::adapter;
 use sdf_tests::scenes::{Buffers, Seen, legalised, scene};
 use sdfc::{Clock, Compiled, Device, Drawing, Language, Measured, View, compile};
 
@@ -170,7 +170,7 @@ fn evaluate(scene: &Scene, function: FunctionId, columns: &[Vec<f64>]) -> Vec<Ve
 
 #[test]
 fn a_device_draws_and_measures_what_the_cpu_does() {
-    let device = || Device::Named(lavapipe().name().name.clone());
+    let device = || Device::Named(adapter().name().name.clone());
     for text in [SCENES[0], SCENES[OUT_OF_STEPS]] {
         // How far a hit is from the surface is what rounding makes it, so its colours agree nowhere.
         for view in VIEWS.into_iter().chain([View::Picture]).filter(|view| *view != View::Error) {
@@ -222,7 +222,7 @@ fn rays_that_ran_out_of_steps_are_counted() {
         let warning = measured.warning(&compiled(text, None).tree);
         assert_eq!(warning.is_some(), lost > 0, "{text}");
     }
-    let gpu = Device::Named(lavapipe().name().name.clone());
+    let gpu = Device::Named(adapter().name().name.clone());
     let drawing = draw(MAGENTA, Some(View::Picture), gpu, Language::Wgsl);
     assert_eq!(drawing.measured.map(|measured| measured.lost), Some(0));
 }

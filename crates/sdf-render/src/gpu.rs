@@ -154,7 +154,8 @@ impl Gpu {
         })?;
         let descriptor = wgpu::DeviceDescriptor {
             required_limits: adapter.limits(),
-            required_features: adapter.features() & wgpu::Features::PASSTHROUGH_SHADERS,
+            required_features: adapter.features()
+                & (wgpu::Features::PASSTHROUGH_SHADERS | wgpu::Features::TIMESTAMP_QUERY),
             ..wgpu::DeviceDescriptor::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
@@ -304,6 +305,19 @@ impl Prepared<'_> {
             }
             Ok(())
         })
+    }
+
+    /// Draws the picture some times in one submission, each in a pass of its own, and tells how long one takes by the
+    /// device's own clock, in the mean: from the beginning of the first pass to the end of the last. What the submission
+    /// itself costs, and the way to the device, are no part of it. An error where the device has no clock.
+    pub fn time(&self, passes: u32) -> Result<Duration, GpuError> {
+        const DOING: &str = "timing";
+        if passes == 0 {
+            return Err(GpuError::failed(DOING, "there is no pass to time"));
+        }
+        let ticks = self.gpu.time(&self.pipeline, &self.group, &self.texture, passes)?;
+        let nanoseconds = ticks as f64 * f64::from(self.gpu.queue.get_timestamp_period());
+        Ok(Duration::from_secs_f64(nanoseconds * 1e-9 / f64::from(passes)))
     }
 
     /// The pixels as they were drawn last, in the bytes of their format, row by row from the top.
@@ -537,6 +551,33 @@ fn vs_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
 
 // ---- running things
 
+/// Records a pass that draws the part of the picture that lies in `[x, y, width, height]`.
+fn pass(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::RenderPipeline,
+    group: &wgpu::BindGroup,
+    texture: &wgpu::Texture,
+    [x, y, width, height]: [u32; 4],
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+) {
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let attachment = wgpu::RenderPassColorAttachment {
+        view: &view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+    };
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        color_attachments: &[Some(attachment)],
+        timestamp_writes,
+        ..wgpu::RenderPassDescriptor::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[]);
+    pass.set_scissor_rect(x, y, width, height);
+    pass.draw(0..3, 0..1);
+}
+
 impl Gpu {
     /// Runs what `record` records, and waits for its end.
     fn submit(
@@ -561,25 +602,49 @@ impl Gpu {
         pipeline: &wgpu::RenderPipeline,
         group: &wgpu::BindGroup,
         texture: &wgpu::Texture,
-        [x, y, width, height]: [u32; 4],
+        area: [u32; 4],
     ) -> Result<(), GpuError> {
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        self.submit("drawing", |encoder| {
-            let attachment = wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            };
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                color_attachments: &[Some(attachment)],
-                ..wgpu::RenderPassDescriptor::default()
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[]);
-            pass.set_scissor_rect(x, y, width, height);
-            pass.draw(0..3, 0..1);
-        })
+        self.submit("drawing", |encoder| pass(encoder, pipeline, group, texture, area, None))
+    }
+
+    /// Draws the whole picture so many times in one submission; the ticks of the device's clock from the beginning of the
+    /// first to the end of the last.
+    fn time(
+        &self,
+        pipeline: &wgpu::RenderPipeline,
+        group: &wgpu::BindGroup,
+        texture: &wgpu::Texture,
+        passes: u32,
+    ) -> Result<u64, GpuError> {
+        const DOING: &str = "timing";
+        if !self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return Err(GpuError::failed(DOING, "this device does not tell the time"));
+        }
+        let descriptor = wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count: 2 };
+        let queries = self.guarded(DOING, || self.device.create_query_set(&descriptor))?;
+        let size = u64::from(wgpu::QUERY_SIZE) * 2;
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let ticks = self.empty_buffer(DOING, usage, size)?;
+        let area = [0, 0, texture.width(), texture.height()];
+        self.submit(DOING, |encoder| {
+            for i in 0..passes {
+                let (begin, end) = ((i == 0).then_some(0), (i + 1 == passes).then_some(1));
+                let times = wgpu::RenderPassTimestampWrites {
+                    query_set: &queries,
+                    beginning_of_pass_write_index: begin,
+                    end_of_pass_write_index: end,
+                };
+                // A pass that neither begins nor ends the time writes none.
+                let times = (begin.is_some() || end.is_some()).then_some(times);
+                pass(encoder, pipeline, group, texture, area, times);
+            }
+            encoder.resolve_query_set(&queries, 0..2, &ticks, 0);
+        })?;
+        let bytes = self.read_buffer(size, |encoder, to| {
+            encoder.copy_buffer_to_buffer(&ticks, 0, to, 0, size);
+        })?;
+        let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        ticks[1].checked_sub(ticks[0]).ok_or_else(|| GpuError::failed(DOING, "the clock went backwards"))
     }
 
     /// The bytes of a picture without gaps, some rows at a time.

@@ -2,9 +2,12 @@
 //! Without names, those of the usual table. Ratios are to the first one.
 //!
 //! `--size 640x360` sets the size of the picture, `--rounds 31` how often each is drawn (0: nothing is timed).
-//! `march --table` times all scenes and writes `tests/tables/march_times.md`.
+//! `march --table` times all scenes and writes `tests/tables/march_times.md`; where the environment's `ADAPTER` names a
+//! device, that device is timed, by its own clock, and the table has its name in its own.
 
 use sdf_render::Frame;
+use sdf_tests::adapter;
+use sdf_tests::march::clock::Clock;
 use sdf_tests::march::comparison::{Count, Lap, count, time};
 use sdf_tests::march::tables;
 use sdf_tests::scenes::Example;
@@ -31,7 +34,7 @@ fn run(arguments: Vec<String>) -> Result<(), String> {
     }
     let frame = Frame::new(size.0, size.1);
     if table {
-        tables::times(&frame, rounds)?.write(tables::TIMES);
+        tables::times(&frame, rounds)?.write(&adapter::table(tables::TIMES));
         return Ok(());
     }
     let mut names = names.iter().map(String::as_str);
@@ -64,13 +67,15 @@ fn measure(example: &Example, marches: &[&str], frame: &Frame, rounds: usize) ->
         return Ok(());
     }
     println!(
-        "\nlavapipe, medians of {rounds}; milliseconds of all processors\n{:32} whole / ratio   march alone / ratio",
+        "\n{}, medians of {rounds}; milliseconds of {}\n{:32} whole / ratio   march alone / ratio",
+        adapter::title(),
+        Clock::of_adapter().title(),
         "march"
     );
     let marches: Vec<&str> = counts.iter().map(|count| &*count.march).collect();
     for Lap { march, whole, alone } in time(example, &marches, frame, rounds)? {
-        let [whole_ms, alone_ms] = [whole, alone].map(|times| times.processors.as_secs_f64() * 1e3);
-        let [whole, alone] = [whole.processors_ratio, alone.processors_ratio];
+        let [whole_ms, alone_ms] = [whole, alone].map(|times| times.time.as_secs_f64() * 1e3);
+        let [whole, alone] = [whole.ratio, alone.ratio];
         println!("{march:32} {whole_ms:9.2} {whole:7.3} {alone_ms:9.2} {alone:7.3}");
     }
     Ok(())

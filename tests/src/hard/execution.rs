@@ -1,7 +1,8 @@
 //! Where a scene's probe is run.
 
+use crate::adapter::{self, adapter};
 use crate::canvas::Canvas;
-use crate::run::{Kernel, lavapipe};
+use crate::run::Kernel;
 use crate::scenes::{Buffers, coordinates};
 use crate::swiftshader;
 use sdf_emit::KernelLanguage;
@@ -13,8 +14,8 @@ use sdf_render::Frame;
 pub enum Execution<'a> {
     /// The interpreter's lanes, in `f32`.
     Interpreter,
-    /// Mesa's software driver, by a compute shader.
-    Lavapipe(KernelLanguage),
+    /// The [device](crate::adapter), by a compute shader.
+    Adapter(KernelLanguage),
     /// SwiftShader, by the program `compute` that lies at this path.
     SwiftShader(&'a str, KernelLanguage),
     /// Chromium's WebGPU.
@@ -23,14 +24,16 @@ pub enum Execution<'a> {
 
 impl Execution<'_> {
     /// What tables call it.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> String {
+        let of = |driver, language: &KernelLanguage| match language {
+            KernelLanguage::Wgsl => format!("{driver}, WGSL"),
+            KernelLanguage::Glsl450 => format!("{driver}, GLSL"),
+        };
         match self {
-            Execution::Interpreter => "interpreter",
-            Execution::Lavapipe(KernelLanguage::Wgsl) => "lavapipe, WGSL",
-            Execution::Lavapipe(KernelLanguage::Glsl450) => "lavapipe, GLSL",
-            Execution::SwiftShader(_, KernelLanguage::Wgsl) => "SwiftShader, WGSL",
-            Execution::SwiftShader(_, KernelLanguage::Glsl450) => "SwiftShader, GLSL",
-            Execution::Chromium(_) => "Chromium, WebGPU",
+            Execution::Interpreter => "interpreter".into(),
+            Execution::Adapter(language) => of(adapter::title(), language),
+            Execution::SwiftShader(_, language) => of("SwiftShader", language),
+            Execution::Chromium(_) => "Chromium, WebGPU".into(),
         }
     }
 
@@ -38,7 +41,7 @@ impl Execution<'_> {
     fn language(&self) -> Option<KernelLanguage> {
         match self {
             Execution::Interpreter => None,
-            Execution::Lavapipe(language) | Execution::SwiftShader(_, language) => Some(*language),
+            Execution::Adapter(language) | Execution::SwiftShader(_, language) => Some(*language),
             Execution::Chromium(_) => Some(KernelLanguage::Wgsl),
         }
     }
@@ -51,7 +54,7 @@ impl Execution<'_> {
         let words = match self {
             Execution::SwiftShader(path, _) => swiftshader::compute(path, &kernel),
             Execution::Chromium(canvas) => canvas.compute(&kernel),
-            _ => kernel.words_on(lavapipe()).map_err(|error| error.to_string()),
+            _ => kernel.words_on(adapter()).map_err(|error| error.to_string()),
         };
         let words = words.unwrap_or_else(|said| panic!("{}: {said}\n{}", self.name(), kernel.text));
         let numbers = |column: Vec<u32>| column.into_iter().map(f32::from_bits).collect();

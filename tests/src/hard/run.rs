@@ -16,7 +16,7 @@ const DRIVER_FRAMES: usize = 12;
 /// What came of a fixture.
 pub struct Outcome {
     /// What each execution shows, by its name.
-    pub scores: Vec<(&'static str, Score)>,
+    pub scores: Vec<(String, Score)>,
     /// What the twin shows.
     pub twin: Option<Score>,
     /// What is wrong, if anything, scene by scene.

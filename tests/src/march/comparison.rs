@@ -1,6 +1,6 @@
 //! Several marches through one scene.
 
-use crate::march::clock::{Engine, Times, race};
+use crate::march::clock::{Clock, Times, race};
 use crate::march::{Errors, Rays, Subject, Truth, Variant};
 use crate::scenes::Example;
 use sdf_render::Frame;
@@ -78,17 +78,22 @@ fn equally_exact(
     Ok(best)
 }
 
-/// Times marches on lavapipe; ratios are to the first.
+/// Times marches on the device, by the clock that suits it; ratios are to the first.
 pub fn time(example: &Example, marches: &[&str], frame: &Frame, rounds: usize) -> Result<Vec<Lap>, String> {
-    let variants = marches.iter().map(|name| Variant::named(name)).collect::<Result<Vec<_>, _>>()?;
-    let whole: Vec<Subject> =
-        variants.iter().map(|march| Subject::new(example, march)).collect::<Result<_, _>>()?;
-    let alone: Vec<Subject> = variants
-        .iter()
-        .map(|march| Subject::new(example, &march.with("depth")?))
-        .collect::<Result<_, _>>()?;
-    let whole = race(&whole, frame, Engine::Lavapipe, rounds);
-    let alone = race(&alone, frame, Engine::Lavapipe, rounds);
-    let laps = marches.iter().zip(whole).zip(alone);
-    Ok(laps.map(|((march, whole), alone)| Lap { march: (*march).to_owned(), whole, alone }).collect())
+    let contestants: Vec<(&Example, &str)> = marches.iter().map(|march| (example, *march)).collect();
+    time_all(&contestants, frame, rounds)
+}
+
+/// Times scenes, each with a march; ratios are to the first.
+pub fn time_all(contestants: &[(&Example, &str)], frame: &Frame, rounds: usize) -> Result<Vec<Lap>, String> {
+    let race = |is_alone: bool| -> Result<Vec<Times>, String> {
+        let subject = |(example, march): &(&Example, &str)| {
+            let march = Variant::named(march)?;
+            Subject::new(example, &if is_alone { march.with("depth")? } else { march })
+        };
+        let subjects = contestants.iter().map(subject).collect::<Result<Vec<Subject>, String>>()?;
+        Ok(race(&subjects, frame, Clock::of_adapter(), rounds))
+    };
+    let laps = contestants.iter().zip(race(false)?).zip(race(true)?);
+    Ok(laps.map(|(((_, march), whole), alone)| Lap { march: (*march).to_owned(), whole, alone }).collect())
 }

@@ -1,7 +1,10 @@
 //! The tables of the march that the repository keeps.
 
-use crate::march::comparison::{Count, Lap, count, time};
-use crate::run::lavapipe;
+use crate::adapter;
+use crate::march::clock::Clock;
+use crate::march::comparison::{Count, Lap, count, time, time_all};
+use crate::march::variant::PRODUCT;
+use crate::rewriting::moved;
 use crate::scenes::{Example, examples, gallery};
 use crate::table::Table;
 use sdf_render::Frame;
@@ -34,8 +37,11 @@ pub const FACTORS: [&str; 5] =
 
 /// The file of the table of counts.
 pub const COUNTS: &str = "march.md";
-/// The file of the table of times.
-pub const TIMES: &str = "march_times.md";
+/// The table of times, by its name without the ending: [`adapter::table`] is its file.
+pub const TIMES: &str = "march_times";
+
+/// Where scenes are moved to, so far that the coordinates of 32 bits are 1/16 apart.
+const FAR_AWAY: &str = "(1000000, -1000000, 1000000)";
 
 /// A scene of `tests/march/scenes/`.
 pub fn scene(name: &str) -> Example {
@@ -103,21 +109,25 @@ fn count_row(scene: &str, Count { march, rays, errors }: &Count) -> Vec<String> 
     ]
 }
 
-/// How long all scenes take with their marches, on lavapipe.
+/// How long all scenes take with their marches, on the device.
 pub fn times(frame: &Frame, rounds: usize) -> Result<Table, String> {
     let heads = ["scene", "march", "whole, ms", "of the product", "march alone, ms", "of the product"];
     let about = format!(
-        "How long marches take for a picture of {}×{} pixels on lavapipe; `march --table` in `tests/src/bin/` writes this.
+        "How long marches take for a picture of {}×{} pixels on {}; `march --table` in `tests/src/bin/` writes this.
 
-`march.md` says what the marches are called. Times are those of all processors together, in the median of {rounds}; the
-marches take turns, and ratios are the median of those within a round. The march alone draws the depth, so that nothing is
-shaded.",
-        frame.width, frame.height
+`march.md` says what the marches are called. `product, moved` is the compiler's march where the scene and its camera stand at
+{FAR_AWAY}. Times are those of {}, in the median of {rounds};
+the marches take turns, and ratios are the median of those within a round. The march alone draws the depth, so that nothing
+is shaded.",
+        frame.width,
+        frame.height,
+        adapter::title(),
+        Clock::of_adapter().title(),
     );
     let mut table = Table {
         title: "The march, timed".into(),
         about,
-        versions: vec![lavapipe().name().driver.clone(), processor()],
+        versions: vec![adapter::version(), processor()],
         columns: heads.map(str::to_owned).to_vec(),
         rows: Vec::new(),
     };
@@ -129,15 +139,24 @@ shaded.",
         let marches: Vec<&str> = counts.iter().map(|count| &*count.march).collect();
         let laps = time(&example, &marches, frame, rounds)?;
         table.rows.extend(laps.iter().map(|lap| time_row(&example.name, lap)));
+        table.rows.push(time_row(&example.name, &far_away(&example, frame, rounds)?));
     }
     Ok(table)
+}
+
+/// The times of a scene that is far away, with the compiler's march; ratios are to those of the scene where it is.
+fn far_away(example: &Example, frame: &Frame, rounds: usize) -> Result<Lap, String> {
+    let far = Example { name: example.name.clone(), text: moved(&example.text, FAR_AWAY) };
+    let mut laps = time_all(&[(example, PRODUCT), (&far, PRODUCT)], frame, rounds)?;
+    let lap = laps.pop().expect("the times of both");
+    Ok(Lap { march: format!("{PRODUCT}, moved"), ..lap })
 }
 
 fn time_row(scene: &str, Lap { march, whole, alone }: &Lap) -> Vec<String> {
     let mut row = vec![scene.to_owned(), march.clone()];
     for times in [whole, alone] {
-        row.push(format!("{:.2}", times.processors.as_secs_f64() * 1e3));
-        row.push(format!("{:.2}", times.processors_ratio));
+        row.push(format!("{:.2}", times.time.as_secs_f64() * 1e3));
+        row.push(format!("{:.2}", times.ratio));
     }
     row
 }

@@ -12,6 +12,7 @@ use crate::attack::measures::{points_round, size, surface};
 use crate::attack::points::{Points, Random, at, columns, moved, seed};
 use crate::attack::subject::{Kind, Subject};
 use crate::scenes::scene;
+use rayon::prelude::*;
 use sdf_lang::Options;
 use sdf_render::certify::{Prover, Step};
 use second::{Files, Second, certifier, extruded};
@@ -103,6 +104,31 @@ impl Tally {
         self
     }
 
+    /// Adds the step from a point in the field of a call.
+    fn add(
+        &mut self,
+        call: &str,
+        point: [f64; 3],
+        field: &mut Prover,
+        solid: &mut Option<Prover>,
+        second: &Second,
+    ) {
+        self.pairs += 1;
+        let Some((center, radius)) = field.ball_of_step(point) else {
+            self.safe[0] += 1;
+            return;
+        };
+        let list = match proof(field, solid, second, center, radius) {
+            Proof::Free(by) => {
+                self.safe[by] += 1;
+                return;
+            }
+            Proof::Passed => &mut self.wrong,
+            Proof::Unknown => &mut self.undecided,
+        };
+        list.push((call.to_owned(), point, field.free_share(center, radius)));
+    }
+
     /// The least share of a step that is certainly free.
     pub fn least_free(&self) -> f64 {
         let shares = self.wrong.iter().chain(&self.undecided).map(|(.., share)| *share);
@@ -143,28 +169,22 @@ fn proof(
     by_inequalities.or_else(|| asked(field, LONG, 0)).unwrap_or(Proof::Unknown)
 }
 
-/// The steps from so many points, in the shape as it is compiled with these options.
+/// How many points are tried by one thread before it takes others.
+const CHUNK: usize = 64;
+
+/// The steps from so many points, in the shape as it is compiled with these options. What comes of them does not depend on
+/// how many threads there are.
 pub fn tried(site: &Site, count: usize, options: &Options, files: &Files) -> Tally {
     let options = Options { certificate: true, attack: Some(0), ..options.clone() };
     let field = certifier(&scene(&site.call, &Kind::Solid.scene("", &site.call), &options));
     let second = Second::of(files, &site.name, &site.made.0, site.made.1);
-    let (mut prover, mut solid) = (field.prover(), second.prover());
-    let mut tally = Tally::default();
-    for point in site.points(count) {
-        tally.pairs += 1;
-        let Some((center, radius)) = prover.ball_of_step(point) else {
-            tally.safe[0] += 1;
-            continue;
-        };
-        let list = match proof(&mut prover, &mut solid, &second, center, radius) {
-            Proof::Free(by) => {
-                tally.safe[by] += 1;
-                continue;
-            }
-            Proof::Passed => &mut tally.wrong,
-            Proof::Unknown => &mut tally.undecided,
-        };
-        list.push((site.call.clone(), point, prover.free_share(center, radius)));
-    }
-    tally
+    let tried = |points: &[[f64; 3]]| {
+        let (mut prover, mut solid, mut tally) = (field.prover(), second.prover(), Tally::default());
+        for point in points {
+            tally.add(&site.call, *point, &mut prover, &mut solid, &second);
+        }
+        tally
+    };
+    let tallies: Vec<Tally> = site.points(count).par_chunks(CHUNK).map(tried).collect();
+    tallies.into_iter().fold(Tally::default(), Tally::and)
 }

@@ -5,6 +5,7 @@
 //! Where the environment's `ADAPTER` names a device, the executions are the interpreter and that device alone; the tables
 //! then have its name in theirs.
 
+use rayon::prelude::*;
 use sdf_emit::KernelLanguage;
 use sdf_tests::adapter;
 use sdf_tests::canvas::Canvas;
@@ -44,8 +45,17 @@ fn run(effort: Effort, table_name: &str, least: usize) {
     let mut table = about(browser.as_ref());
     let only = std::env::var("CASE").unwrap_or_default();
     let (mut complaints, mut certified) = (String::new(), 0);
-    for fixture in fixtures().iter().filter(|fixture| fixture.name.starts_with(&only)) {
-        let outcome = Outcome::of(fixture, effort, &executions(fixture, canvas.as_ref()));
+    let mut fixtures = fixtures();
+    fixtures.retain(|fixture| fixture.name.starts_with(&only));
+    // A browser takes one after the other.
+    let outcomes: Vec<Outcome> = match &canvas {
+        Some(canvas) => {
+            let outcome = |it| Outcome::of(it, effort, &executions(it, Some(canvas)));
+            fixtures.iter().map(outcome).collect()
+        }
+        None => fixtures.par_iter().map(|it| Outcome::of(it, effort, &executions(it, None))).collect(),
+    };
+    for (fixture, outcome) in fixtures.iter().zip(outcomes) {
         complaints += &outcome.complaints;
         for (name, score) in &outcome.scores {
             certified += score.certified;

@@ -1,8 +1,9 @@
 //! No step of a ray passes a surface, in the field of any function of the library: what is proved of the ball of 0.99 of
 //! each step, for many random points and many calls of each function.
 //!
-//! `SAFETY=1000000 UPDATE_TABLES=1 cargo test --release --workspace --test safety` tries that many points, of more calls,
-//! and writes `tests/tables/safety.md`; `FUNCTION=twist` tries one function alone.
+//! `SAFETY=long UPDATE_TABLES=1 cargo test --release --workspace --test safety` tries a million points, of more calls, on all
+//! processors, and writes `tests/tables/safety_long.md`; else that is `safety.md`. `FUNCTION=twist` tries one function alone,
+//! and `POINTS=30000` another number of points; then there is no table.
 
 use rayon::prelude::*;
 use sdf_lang::{Options, compiler_files};
@@ -14,9 +15,11 @@ use sdf_tests::safety::second::Files;
 use sdf_tests::safety::{Site, Tally, tried};
 use sdf_tests::table::Table;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
-/// How many points are tried where nothing else is said.
-const POINTS: usize = 10_000;
+/// How many points are tried.
+const SHORT: usize = 10_000;
+const LONG: usize = 1_000_000;
 /// The share of steps that may be undecided.
 const UNDECIDED: f64 = 0.01;
 
@@ -44,11 +47,11 @@ fn sites(form: &Form, varied: bool) -> Vec<Site> {
     sites
 }
 
-/// The steps of all functions, or of one alone, by their names, and of how many calls.
-fn tallies(points: usize, only: Option<&str>) -> BTreeMap<String, (usize, Tally)> {
+/// The steps of all functions, or of one alone, by their names, and of how many calls: the examples alone, or others as
+/// well.
+fn tallies(points: usize, varied: bool, only: Option<&str>) -> BTreeMap<String, (usize, Tally)> {
     let forms: Vec<Form> =
         forms().into_iter().filter(|form| only.is_none_or(|name| name == form.name)).collect();
-    let varied = points > POINTS;
     let sites: Vec<Site> = forms.par_iter().flat_map_iter(|form| sites(form, varied)).collect();
     let (each, files) = (points.div_ceil(sites.len()), files());
     let found: Vec<(String, Tally)> = sites
@@ -66,11 +69,18 @@ fn tallies(points: usize, only: Option<&str>) -> BTreeMap<String, (usize, Tally)
 
 #[test]
 fn no_step_passes_a_surface() {
-    let asked = std::env::var("SAFETY").ok();
-    let points = asked.as_ref().map_or(POINTS, |count| count.parse().expect("a number of points"));
+    let (long, file) = match std::env::var("SAFETY").as_deref() {
+        Err(_) => (false, "safety.md"),
+        Ok("long") => (true, "safety_long.md"),
+        Ok(other) => panic!("`SAFETY` is `long` or is not there, and not `{other}`"),
+    };
+    let asked = std::env::var("POINTS").ok().map(|count| count.parse().expect("a number of points"));
+    let points = asked.unwrap_or(if long { LONG } else { SHORT });
     let only = std::env::var("FUNCTION").ok();
-    let tallies = tallies(points, only.as_deref());
-    let mut table = about(points);
+    let start = Instant::now();
+    let tallies = tallies(points, long, only.as_deref());
+    let seconds = start.elapsed().as_secs_f64();
+    let mut table = about(points, long);
     let (mut calls, mut all) = (0, Tally::default());
     for (name, (own, tally)) in tallies {
         table.rows.push(row(name, own, &tally));
@@ -78,6 +88,11 @@ fn no_step_passes_a_surface() {
     }
     table.rows.push(row("all".into(), calls, &all));
     println!("{}", table.markdown());
+    let threads = rayon::current_num_threads();
+    println!(
+        "{:.3} ms a pair, of each of {threads} threads",
+        seconds * 1e3 * threads as f64 / all.pairs as f64
+    );
     let some = |list: &[(String, [f64; 3], f64)]| -> Vec<String> {
         list.iter().take(20).map(|(call, at, share)| format!("{call} at {at:?}: {share}")).collect()
     };
@@ -92,9 +107,9 @@ fn no_step_passes_a_surface() {
         all.undecided.len(),
         all.pairs
     );
-    if asked.is_some()
+    if asked.is_none()
         && only.is_none()
-        && let Some(stale) = table.check("safety.md")
+        && let Some(stale) = table.check(file)
     {
         panic!("{stale}");
     }
@@ -108,8 +123,12 @@ fn row(name: String, calls: usize, tally: &Tally) -> Vec<String> {
     [name].into_iter().chain(counts.map(|n| n.to_string())).chain([least]).collect()
 }
 
-/// The table of a run of so many points, without its rows.
-fn about(points: usize) -> Table {
+/// The table of a run of about so many points, in examples alone or in other calls as well, without its rows.
+fn about(points: usize, varied: bool) -> Table {
+    let (calls, asked) = match varied {
+        true => ("its examples and calls like them", "; SAFETY=long"),
+        false => ("its examples", ""),
+    };
     let columns = [
         "function",
         "calls",
@@ -123,17 +142,31 @@ fn about(points: usize) -> Table {
     ];
     Table {
         title: "Safety of steps".into(),
-        about: "Steps from random points in the fields of calls of each function of the library; `tests/tests/safety.rs` \
-                writes this.\nA step is safe if there is certainly no surface within 0.99 of it: no zero of the field as it \
-                is compiled, or no zero\nof the inequalities in `tests/solids.sdf`, or none of the points in \
-                `tests/curves.sdf`, which say a second time what the\nshapes are. It is unsafe if there is a surface, and \
-                undecided if neither is proved. The least free share is that of a\nstep within which there certainly is \
-                no zero of the field, of all steps that are not safe."
-            .into(),
-        versions: vec![format!("sdfc {}", sdfc::VERSION), format!("SAFETY={points}")],
+        about: format!(
+            "Steps from {points} random points in the fields of each function of the library, in {calls};\n\
+             `tests/tests/safety.rs` writes this. A step is safe if there is certainly no surface within 0.99 of it: no \
+             zero of the\nfield as it is compiled, or no zero of the inequalities in `tests/solids.sdf`, or none of the \
+             points in\n`tests/curves.sdf`, which say a second time what the shapes are. It is unsafe if there is a \
+             surface, and undecided if\nneither is proved. The least free share is that of a step within which there \
+             certainly is no zero of the field, of all steps\nthat are not safe."
+        ),
+        versions: vec![format!("sdfc {}{asked}", sdfc::VERSION)],
         columns: columns.map(String::from).to_vec(),
         ..Table::default()
     }
+}
+
+/// One thread finds what several find.
+#[test]
+fn threads_change_nothing() {
+    let files = files();
+    let site = Site::of("bend", "box((0.5, 0.9, 0.2)).bend(1.1)", Kind::Solid).expect("a shape");
+    let found = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| tried(&site, 300, &Options::default(), &files))
+    });
+    assert_eq!(found[0].pairs, 300);
+    assert_eq!(found[0], found[1]);
 }
 
 /// A library that promises too much is caught: a twist that says it is no steeper than what it twists.

@@ -46,19 +46,18 @@ impl Execution<'_> {
         }
     }
 
-    /// What the pixels of a frame show, by a program whose entry is a probe.
-    pub fn buffers(&self, program: &Program, frame: &Frame) -> Buffers {
-        let Some(language) = self.language() else { return Buffers::of_program(program, frame) };
+    /// What the pixels of a frame show, by a program whose entry is a probe; or what a driver has against it.
+    pub fn buffers(&self, program: &Program, frame: &Frame) -> Result<Buffers, String> {
+        let Some(language) = self.language() else { return Ok(Buffers::of_program(program, frame)) };
         let probe = program.entry.expect("a probe");
         let kernel = Kernel::of(program, probe, language, &frame.uniforms(program), &coordinates(frame));
         let words = match self {
             Execution::SwiftShader(path, _) => swiftshader::compute(path, &kernel),
             Execution::Chromium(canvas) => canvas.compute(&kernel),
             _ => kernel.words_on(adapter()).map_err(|error| error.to_string()),
-        };
-        let words = words.unwrap_or_else(|said| panic!("{}: {said}\n{}", self.name(), kernel.text));
+        }?;
         let numbers = |column: Vec<u32>| column.into_iter().map(f32::from_bits).collect();
         let columns: Vec<Vec<f32>> = kernel.columns(&words).into_iter().map(numbers).collect();
-        Buffers::of_columns(frame, &columns)
+        Ok(Buffers::of_columns(frame, &columns))
     }
 }

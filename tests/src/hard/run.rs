@@ -60,14 +60,17 @@ impl Outcome {
         let judged = |execution: &Execution, program: &Program, frames: &[Frame], every: usize| {
             let some = frames.iter().zip(&truths).rev().step_by(every);
             let score = |(frame, truth): (&Frame, &Certified)| {
-                truth.score(fixture, &execution.buffers(program, frame))
+                execution.buffers(program, frame).map(|seen| truth.score(fixture, &seen))
             };
-            some.map(score).fold(Score::default(), Score::joined)
+            some.map(score).try_fold(Score::default(), |sum, score| Ok::<_, String>(sum.joined(score?)))
         };
         let on_drivers = frames.len().div_ceil(DRIVER_FRAMES);
         for (execution, (name, sum)) in executions.iter().zip(&mut self.scores) {
             let every = if matches!(execution, Execution::Interpreter) { 1 } else { on_drivers };
-            let score = judged(execution, &program, &frames, every);
+            let score = judged(execution, &program, &frames, every).unwrap_or_else(|said| {
+                self.complaints += &format!("{}, {name}: it does not run: {said}\n", subject.name);
+                Score::default()
+            });
             if let Some(complaint) = score.complaint(fixture) {
                 // Executions mostly fail at the same pixels: they are named once.
                 let shown = if matches!(execution, Execution::Interpreter) {
@@ -83,7 +86,8 @@ impl Outcome {
             let (subject, frames) =
                 if twin.frozen { (subject.clone(), frames.clone()) } else { subject.thawed(&frames) };
             let program = twin_program(&subject.scene(&twin.replaced), twin);
-            *sum = std::mem::take(sum).joined(judged(&Execution::Interpreter, &program, &frames, 1));
+            let score = judged(&Execution::Interpreter, &program, &frames, 1);
+            *sum = std::mem::take(sum).joined(score.expect("the interpreter runs every program"));
         }
     }
 }

@@ -26,10 +26,13 @@ const FAR: f64 = 300.0;
 
 /// How often the field is evaluated before other definitions are tried.
 const QUICK: u64 = 40;
-/// How often the inequalities are evaluated, at most: they are short.
-const INEQUALITIES: u64 = 30_000;
-/// How often the field is evaluated, at most, where nothing else decides.
+/// How often the inequalities are evaluated before the field is asked at length: mostly that is enough, and those of many
+/// copies are long.
+const SHORT: u64 = 100;
+/// How often the field is evaluated, at most, where the inequalities do not decide shortly.
 const LONG: u64 = 2_000;
+/// How often the inequalities are evaluated, at most, where nothing else decides.
+const INEQUALITIES: u64 = 30_000;
 
 /// A shape of space, and where it is.
 #[derive(Debug)]
@@ -146,7 +149,7 @@ enum Proof {
     Unknown,
 }
 
-/// Whether a ball holds no surface: the field is asked shortly, then the other definitions, then the field at length.
+/// Whether a ball holds no surface: the field is asked shortly, then the other definitions, then both at length.
 fn proof(
     field: &mut Prover,
     solid: &mut Option<Prover>,
@@ -165,8 +168,11 @@ fn proof(
     if second.is_free_of_points(solid.as_mut(), center, radius) {
         return Proof::Free(2);
     }
-    let by_inequalities = solid.as_mut().and_then(|solid| asked(solid, INEQUALITIES, 1));
-    by_inequalities.or_else(|| asked(field, LONG, 0)).unwrap_or(Proof::Unknown)
+    let mut by_inequalities = |budget| solid.as_mut().and_then(|solid| asked(solid, budget, 1));
+    by_inequalities(SHORT)
+        .or_else(|| asked(field, LONG, 0))
+        .or_else(|| by_inequalities(INEQUALITIES))
+        .unwrap_or(Proof::Unknown)
 }
 
 /// How many points are tried by one thread before it takes others.

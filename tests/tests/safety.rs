@@ -11,11 +11,11 @@ use sdf_tests::attack::calls::calls_of;
 use sdf_tests::attack::definitions::Definitions;
 use sdf_tests::attack::forms::{Form, forms};
 use sdf_tests::attack::subject::{Kind, kind_of};
+use sdf_tests::march::clock::spent;
 use sdf_tests::safety::second::Files;
 use sdf_tests::safety::{Site, Tally, tried};
 use sdf_tests::table::Table;
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// How many points are tried.
 const SHORT: usize = 10_000;
@@ -77,9 +77,9 @@ fn no_step_passes_a_surface() {
     let asked = std::env::var("POINTS").ok().map(|count| count.parse().expect("a number of points"));
     let points = asked.unwrap_or(if long { LONG } else { SHORT });
     let only = std::env::var("FUNCTION").ok();
-    let start = Instant::now();
+    let before = spent();
     let tallies = tallies(points, long, only.as_deref());
-    let seconds = start.elapsed().as_secs_f64();
+    let seconds = spent() - before;
     let mut table = about(points, long);
     let (mut calls, mut all) = (0, Tally::default());
     for (name, (own, tally)) in tallies {
@@ -88,11 +88,7 @@ fn no_step_passes_a_surface() {
     }
     table.rows.push(row("all".into(), calls, &all));
     println!("{}", table.markdown());
-    let threads = rayon::current_num_threads();
-    println!(
-        "{:.3} ms a pair, of each of {threads} threads",
-        seconds * 1e3 * threads as f64 / all.pairs as f64
-    );
+    println!("{:.3} ms of all processors for a pair", seconds * 1e3 / all.pairs as f64);
     let some = |list: &[(String, [f64; 3], f64)]| -> Vec<String> {
         list.iter().take(20).map(|(call, at, share)| format!("{call} at {at:?}: {share}")).collect()
     };

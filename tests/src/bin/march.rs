@@ -34,8 +34,8 @@ fn run(arguments: Vec<String>) -> Result<(), String> {
     }
     let frame = Frame::new(size.0, size.1);
     if table {
-        tables::times(&frame, rounds)?.write(&adapter::table(tables::TIMES));
-        return Ok(());
+        let file = adapter::table(tables::TIMES);
+        return tables::times(&frame, rounds, &|table| table.write(&file));
     }
     let mut names = names.iter().map(String::as_str);
     let path = names.next().ok_or("usage: march SCENE.sdf [MARCH…]")?;

@@ -6,6 +6,7 @@
 
 use crate::adapter::{self, adapter};
 use crate::march::Subject;
+use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
 use sdf_emit::{Header, Target, UniformLayout, emit};
 use sdf_render::Frame;
@@ -56,7 +57,8 @@ pub struct Times {
 /// Draws each subject once a round, after a round for warming up, in which a driver compiles. The pictures are not read
 /// back.
 pub fn race(subjects: &[Subject], frame: &Frame, clock: Clock, rounds: usize) -> Vec<Times> {
-    let prepared: Vec<Prepared> = subjects.iter().map(|subject| prepared(subject, frame)).collect();
+    // Some drivers take seconds for a pipeline.
+    let prepared: Vec<Prepared> = subjects.par_iter().map(|subject| prepared(subject, frame)).collect();
     let lap = |contestant: usize| -> f64 {
         let time = match clock {
             Clock::Processors => on_processors(&prepared[contestant], frame),
@@ -104,7 +106,7 @@ fn on_processors(prepared: &Prepared, frame: &Frame) -> Result<f64, GpuError> {
 }
 
 /// How long this process has had processors so far, in seconds.
-fn spent() -> f64 {
+pub fn spent() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -109,8 +109,8 @@ fn count_row(scene: &str, Count { march, rays, errors }: &Count) -> Vec<String> 
     ]
 }
 
-/// How long all scenes take with their marches, on the device.
-pub fn times(frame: &Frame, rounds: usize) -> Result<Table, String> {
+/// How long all scenes take with their marches, on the device. `keep` is given the table after each scene.
+pub fn times(frame: &Frame, rounds: usize, keep: &dyn Fn(&Table)) -> Result<(), String> {
     let heads = ["scene", "march", "whole, ms", "of the product", "march alone, ms", "of the product"];
     let about = format!(
         "How long marches take for a picture of {}×{} pixels on {}; `march --table` in `tests/src/bin/` writes this.
@@ -140,8 +140,9 @@ is shaded.",
         let laps = time(&example, &marches, frame, rounds)?;
         table.rows.extend(laps.iter().map(|lap| time_row(&example.name, lap)));
         table.rows.push(time_row(&example.name, &far_away(&example, frame, rounds)?));
+        keep(&table);
     }
-    Ok(table)
+    Ok(())
 }
 
 /// The times of a scene that is far away, with the compiler's march; ratios are to those of the scene where it is.

@@ -12,6 +12,7 @@ mod check;
 mod choice;
 mod context;
 mod contract;
+mod distribute;
 mod errors;
 mod eval;
 mod expansion;

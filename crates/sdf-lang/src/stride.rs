@@ -8,8 +8,10 @@ use crate::context::Op;
 use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
-use crate::facts::{Gain, Stated, corner_number, parts};
+use crate::facts::{Gain, Stated, corner_number, parts, room};
+use crate::scene::parts_of_union;
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
+use sdf_ir::interval::Interval;
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Ternary, Type, Unary};
 use sdf_syntax::Span;
@@ -65,7 +67,7 @@ impl<'t> Elaborator<'t> {
 
     /// The distance to a shape from those of the parts of unions, which the step has sampled.
     fn distance_of_parts(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
-        let parts = crate::scene::parts_of_union(shape);
+        let parts = self.parts_of_step(shape)?;
         if let [_, _, ..] = &parts[..] {
             let mut nearest = Number::float(crate::NOTHING);
             for (i, part) in parts.iter().enumerate() {
@@ -84,18 +86,31 @@ impl<'t> Elaborator<'t> {
                 self.distance_of_parts(&shapes[0], point, span)
             }
             _ if shape.steep => match self.moved(shape, point)? {
-                Some((moved, place)) => self.distance_of_parts(&moved, &place, span),
-                None => self.sample(shape, point, span),
+                Some(moved) if moved.is_to_scale => self.distance_of_parts(&moved.shape, &moved.place, span),
+                _ => self.sample(shape, point, span),
             },
             _ => self.sample(shape, point, span),
         }
+    }
+
+    /// The parts whose steps are taken each by itself: those of a union, and what an operator makes of them, unless
+    /// all of them are steep or none is.
+    fn parts_of_step(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Vec<Rc<Shape<'t>>>> {
+        let parts = parts_of_union(shape);
+        if parts.len() > 1 || !shape.steep {
+            return Ok(parts);
+        }
+        let behind = self.parts_behind(shape)?;
+        let is_steep = |part: &Rc<Shape<'t>>| self.slope_of(part).map(|slope| slope.everywhere > 1.0);
+        let steep = behind.iter().map(is_steep).collect::<Eval<Vec<bool>>>()?;
+        Ok(if steep.contains(&true) && steep.contains(&false) { behind } else { parts })
     }
 
     fn safe_step(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
         if !shape.steep {
             return self.sample(shape, point, span);
         }
-        let parts = crate::scene::parts_of_union(shape);
+        let parts = self.parts_of_step(shape)?;
         if let [_, _, ..] = &parts[..] {
             return self.nearest_step(&parts, point, span);
         }
@@ -111,8 +126,9 @@ impl<'t> Elaborator<'t> {
                 Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[condition.clone(), a, b]))
             }
             _ => {
-                if let Some((moved, place)) = self.moved(shape, point)? {
-                    return self.safe_step(&moved, &place, span);
+                if let Some(moved) = self.moved(shape, point)? {
+                    let step = self.safe_step(&moved.shape, &moved.place, span)?;
+                    return self.binary(Binary::Multiply, &step, &Number::float(1.0 / moved.rate), span);
                 }
                 let slope = self.require_slope(shape)?;
                 let distance = self.sample(shape, point, span)?;
@@ -127,23 +143,35 @@ impl<'t> Elaborator<'t> {
                 if slope.wild || by_region {
                     return self.step_by_region(shape, slope.within, point, &distance, span);
                 }
+                if let Some(step) = self.step_beside(shape, point, &distance, span)? {
+                    return Ok(step);
+                }
                 let slope = self.slope(shape, point, &distance, span)?;
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
         }
     }
 
-    /// The shape that is only moved, turned or mirrored to make this one, and the point as it sees it: a step there is
-    /// a step here.
-    fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<(Rc<Shape<'t>>, Number)>> {
-        let is_rigid = |stated: &Stated| matches!(stated.contract.quality, Some((Quality::Exact, _)));
-        match &shape.kind {
-            ShapeKind::Named { inner, .. } => self.moved(inner, point),
-            ShapeKind::Field { block, env, .. } if self.stated(shape).as_ref().is_some_and(is_rigid) => {
-                self.only_sample(|this| this.field_value(block, env, point))
-            }
-            _ => Ok(None),
+    /// The shape that a field shows elsewhere, and the point as that shape sees it: one that is only moved, turned or
+    /// mirrored, of which a step there is a step here, or one that is drawn larger or smaller.
+    fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<Moved<'t>>> {
+        let ShapeKind::Field { block, env, .. } = &shape.kind else {
+            return match &shape.kind {
+                ShapeKind::Named { inner, .. } => self.moved(inner, point),
+                _ => Ok(None),
+            };
+        };
+        let is_exact = |stated: Stated| matches!(stated.contract.quality, Some((Quality::Exact, _)));
+        if self.stated(shape).is_some_and(is_exact)
+            && let Some((shape, place)) = self.only_sample(|this| this.field_value(block, env, point))?
+        {
+            return Ok(Some(Moved { shape, place, rate: 1.0, is_to_scale: true }));
         }
+        let Some(zoom) = self.zoom(shape)? else { return Ok(None) };
+        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
+        let is_to_scale = zoom.factor == Interval::ONE;
+        let moved = |(shape, place, _)| Moved { shape, place, rate: zoom.rate, is_to_scale };
+        Ok(samples.into_iter().next().map(moved))
     }
 
     /// How steep a field is near its surface: one that is as good as its shapes, as they are near theirs.
@@ -185,17 +213,8 @@ impl<'t> Elaborator<'t> {
         distance: &Number,
         span: Span,
     ) -> Eval<Number> {
-        let (extent, region) = (self.extent_of(shape, 0.0)?, self.region(shape)?);
-        let beyond = self.beyond(&region, point, span)?;
-        let mut farthest = self.component(&beyond, 0);
-        for axis in 1..beyond.ty.size() {
-            let component = self.component(&beyond, axis);
-            farthest = self.binary(Binary::Max, &farthest, &component, span)?;
-        }
-        let outside = self.binary(Binary::Less, &Number::float(0.0), &farthest, span)?;
-        let to_box = self.beyond(&extent, point, span)?;
-        let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
-        let to_box = self.unary(Unary::Length, &to_box, span)?;
+        let extent = self.extent_of(shape, 0.0)?;
+        let (outside, to_box) = self.outside_of(&extent, point, span)?;
         let mut slope = Number::float(slope.max(1.0));
         if self.stated(shape).is_some_and(|s| s.contract.quality.is_some() || s.contract.slope.is_some())
             && !self.slope_of(shape)?.wild
@@ -207,6 +226,69 @@ impl<'t> Elaborator<'t> {
         }
         let within = self.binary(Binary::Divide, distance, &slope, span)?;
         Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, to_box, within]))
+    }
+
+    /// The step where some of the shapes that a field samples are steep and have boxes, and the field goes on beyond
+    /// these, as a blend with a plane does: outside of the boxes of the places where those shapes matter to it, it is as
+    /// if they were not there, until the ray comes to the boxes. Nothing if there are no such boxes.
+    fn step_beside(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        distance: &Number,
+        span: Span,
+    ) -> Eval<Option<Number>> {
+        let ShapeKind::Field { block, env, origin } = &shape.kind else {
+            return match &shape.kind {
+                ShapeKind::Named { inner, .. } => self.step_beside(inner, point, distance, span),
+                _ => Ok(None),
+            };
+        };
+        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
+        if samples.iter().any(|(_, at, _)| !at.is_same(point)) {
+            return Ok(None);
+        }
+        let mut is_steep = Vec::new();
+        let mut around = Extent::NONE;
+        for (sample, ..) in &samples {
+            let extent = self.extent_of(sample, 0.0)?;
+            is_steep.push(self.slope_of(sample)?.everywhere > 1.0 && extent.is_bounded());
+            if is_steep[is_steep.len() - 1] {
+                around = around.union(&extent);
+            }
+        }
+        let size = around.size().into_iter().fold(0.0, f64::max);
+        let Some(level) = self.influence(shape, &is_steep, size)? else { return Ok(None) };
+        let mut extent = Extent::NONE;
+        for ((sample, ..), _) in samples.iter().zip(&is_steep).filter(|(_, is_steep)| **is_steep) {
+            extent = extent.union(&self.extent_of(sample, level)?);
+        }
+        if !extent.is_bounded() {
+            return Ok(None);
+        }
+        let steep: Vec<_> = samples.iter().zip(&is_steep).filter(|(_, s)| **s).map(|(s, _)| &s.0).collect();
+        let without = ShapeKind::Field { block, env: without(env, &steep), origin: *origin };
+        let without = Rc::new(Shape { kind: without, ..**shape });
+        let (outside, to_box) = self.outside_of(&extent, point, span)?;
+        let rest = self.safe_step(&without, point, span)?;
+        let beside = self.binary(Binary::Min, &rest, &to_box, span)?;
+        let slope = self.slope(shape, point, distance, span)?;
+        let within = self.binary(Binary::Divide, distance, &slope, span)?;
+        Ok(Some(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, beside, within])))
+    }
+
+    /// Whether a point lies outside of the region round a box, and how far it is from there to the box.
+    fn outside_of(&mut self, extent: &Extent, point: &Number, span: Span) -> Eval<(Number, Number)> {
+        let beyond = self.beyond(&extent.grown(room(extent)), point, span)?;
+        let mut farthest = self.component(&beyond, 0);
+        for axis in 1..beyond.ty.size() {
+            let component = self.component(&beyond, axis);
+            farthest = self.binary(Binary::Max, &farthest, &component, span)?;
+        }
+        let outside = self.binary(Binary::Less, &Number::float(0.0), &farthest, span)?;
+        let to_box = self.beyond(extent, point, span)?;
+        let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
+        Ok((outside, self.unary(Unary::Length, &to_box, span)?))
     }
 
     /// How far a point lies outside of a box along each axis; below 0 inside.
@@ -342,6 +424,32 @@ impl<'t> Elaborator<'t> {
         }
         Ok(out)
     }
+}
+
+/// A shape that a field shows elsewhere.
+struct Moved<'t> {
+    shape: Rc<Shape<'t>>,
+    /// The point as the shape sees it.
+    place: Number,
+    /// How fast that moves at most: a step of the shape is so many times as long as one of the field.
+    rate: f64,
+    /// Whether the field is the shape's distance there.
+    is_to_scale: bool,
+}
+
+/// The variables of a field with nothing in the places of some shapes.
+fn without<'t>(env: &Env<'t>, shapes: &[&Rc<Shape<'t>>]) -> Env<'t> {
+    let replaced = |value: Value<'t>| match &value {
+        Value::Shape(s) if shapes.iter().any(|shape| Rc::ptr_eq(shape, s)) => {
+            let kind = ShapeKind::Union { shapes: Vec::new() };
+            Value::Shape(Rc::new(Shape { kind, painted: false, steep: false, ..**s }))
+        }
+        _ => value,
+    };
+    env.map(|_, value| match &value {
+        Value::List(list) => Value::list(list.items.iter().cloned().map(replaced).collect()),
+        _ => replaced(value),
+    })
 }
 
 fn approached<'t>(distance: Number, stride: Number) -> Value<'t> {

@@ -23,6 +23,7 @@ mod import;
 mod items;
 mod kind;
 mod library;
+mod local_slope;
 mod lookahead;
 mod memo;
 mod names;

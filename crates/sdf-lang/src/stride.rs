@@ -245,7 +245,7 @@ impl<'t> Elaborator<'t> {
             };
         };
         let samples = self.samples_of(|this| this.field_value(block, env, point))?;
-        if samples.iter().any(|(_, at, _)| !at.is_same(point)) {
+        if samples.len() < 2 || samples.iter().any(|(_, at, _)| !at.is_same(point)) {
             return Ok(None);
         }
         let mut is_steep = Vec::new();
@@ -256,6 +256,9 @@ impl<'t> Elaborator<'t> {
             if is_steep[is_steep.len() - 1] {
                 around = around.union(&extent);
             }
+        }
+        if around.is_empty() {
+            return Ok(None);
         }
         let size = around.size().into_iter().fold(0.0, f64::max);
         let Some(level) = self.influence(shape, &is_steep, size)? else { return Ok(None) };

@@ -4,7 +4,6 @@
 use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval, name_shape};
 use crate::facts::{corner_number, room};
-use crate::scene::parts_of_union;
 use crate::value::{Fields, Number, Shape, ShapeKind, Thunk, Value};
 use sdf_syntax::Span;
 use sdf_syntax::tree::Dimension;
@@ -26,7 +25,7 @@ impl<'t> Elaborator<'t> {
     pub fn solids(&mut self, shapes: &[Rc<Shape<'t>>], place: Span) -> Eval<Solids<'t>> {
         let mut entries = Vec::new();
         for shape in shapes {
-            let parts = parts_of_union(shape);
+            let parts = self.parts_behind(shape)?;
             let mut is_half_space = Vec::new();
             for part in &parts {
                 is_half_space.push(self.is_half_space(part)?);

@@ -8,12 +8,14 @@ use crate::context::Op;
 use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
-use crate::facts::{Gain, Stated, corner_number, parts};
+use crate::facts::{Stated, corner_number, parts, room};
+use crate::scene::parts_of_union;
 use crate::value::{Env, Number, Shape, ShapeKind, Value};
+use sdf_ir::interval::Interval;
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Ternary, Type, Unary};
 use sdf_syntax::Span;
-use sdf_syntax::tree::{Dimension, Expr};
+use sdf_syntax::tree::Dimension;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -65,7 +67,7 @@ impl<'t> Elaborator<'t> {
 
     /// The distance to a shape from those of the parts of unions, which the step has sampled.
     fn distance_of_parts(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
-        let parts = crate::scene::parts_of_union(shape);
+        let parts = self.parts_of_step(shape)?;
         if let [_, _, ..] = &parts[..] {
             let mut nearest = Number::float(crate::NOTHING);
             for (i, part) in parts.iter().enumerate() {
@@ -84,18 +86,31 @@ impl<'t> Elaborator<'t> {
                 self.distance_of_parts(&shapes[0], point, span)
             }
             _ if shape.steep => match self.moved(shape, point)? {
-                Some((moved, place)) => self.distance_of_parts(&moved, &place, span),
-                None => self.sample(shape, point, span),
+                Some(moved) if moved.is_to_scale => self.distance_of_parts(&moved.shape, &moved.place, span),
+                _ => self.sample(shape, point, span),
             },
             _ => self.sample(shape, point, span),
         }
+    }
+
+    /// The parts whose steps are taken each by itself: those of a union, and what an operator makes of them, unless
+    /// all of them are steep or none is.
+    fn parts_of_step(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Vec<Rc<Shape<'t>>>> {
+        let parts = parts_of_union(shape);
+        if parts.len() > 1 || !shape.steep {
+            return Ok(parts);
+        }
+        let behind = self.parts_behind(shape)?;
+        let is_steep = |part: &Rc<Shape<'t>>| self.slope_of(part).map(|slope| slope.everywhere > 1.0);
+        let steep = behind.iter().map(is_steep).collect::<Eval<Vec<bool>>>()?;
+        Ok(if steep.contains(&true) && steep.contains(&false) { behind } else { parts })
     }
 
     fn safe_step(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Number> {
         if !shape.steep {
             return self.sample(shape, point, span);
         }
-        let parts = crate::scene::parts_of_union(shape);
+        let parts = self.parts_of_step(shape)?;
         if let [_, _, ..] = &parts[..] {
             return self.nearest_step(&parts, point, span);
         }
@@ -111,8 +126,9 @@ impl<'t> Elaborator<'t> {
                 Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[condition.clone(), a, b]))
             }
             _ => {
-                if let Some((moved, place)) = self.moved(shape, point)? {
-                    return self.safe_step(&moved, &place, span);
+                if let Some(moved) = self.moved(shape, point)? {
+                    let step = self.safe_step(&moved.shape, &moved.place, span)?;
+                    return self.binary(Binary::Multiply, &step, &Number::float(1.0 / moved.rate), span);
                 }
                 let slope = self.require_slope(shape)?;
                 let distance = self.sample(shape, point, span)?;
@@ -127,23 +143,35 @@ impl<'t> Elaborator<'t> {
                 if slope.wild || by_region {
                     return self.step_by_region(shape, slope.within, point, &distance, span);
                 }
+                if let Some(step) = self.step_beside(shape, point, &distance, span)? {
+                    return Ok(step);
+                }
                 let slope = self.slope(shape, point, &distance, span)?;
                 self.binary(Binary::Divide, &distance, &slope, span)
             }
         }
     }
 
-    /// The shape that is only moved, turned or mirrored to make this one, and the point as it sees it: a step there is
-    /// a step here.
-    fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<(Rc<Shape<'t>>, Number)>> {
-        let is_rigid = |stated: &Stated| matches!(stated.contract.quality, Some((Quality::Exact, _)));
-        match &shape.kind {
-            ShapeKind::Named { inner, .. } => self.moved(inner, point),
-            ShapeKind::Field { block, env, .. } if self.stated(shape).as_ref().is_some_and(is_rigid) => {
-                self.only_sample(|this| this.field_value(block, env, point))
-            }
-            _ => Ok(None),
+    /// The shape that a field shows elsewhere, and the point as that shape sees it: one that is only moved, turned or
+    /// mirrored, of which a step there is a step here, or one that is drawn larger or smaller.
+    fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<Moved<'t>>> {
+        let ShapeKind::Field { block, env, .. } = &shape.kind else {
+            return match &shape.kind {
+                ShapeKind::Named { inner, .. } => self.moved(inner, point),
+                _ => Ok(None),
+            };
+        };
+        let is_exact = |stated: Stated| matches!(stated.contract.quality, Some((Quality::Exact, _)));
+        if self.stated(shape).is_some_and(is_exact)
+            && let Some((shape, place)) = self.only_sample(|this| this.field_value(block, env, point))?
+        {
+            return Ok(Some(Moved { shape, place, rate: 1.0, is_to_scale: true }));
         }
+        let Some(zoom) = self.zoom(shape)? else { return Ok(None) };
+        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
+        let is_to_scale = zoom.factor == Interval::ONE;
+        let moved = |(shape, place, _)| Moved { shape, place, rate: zoom.rate, is_to_scale };
+        Ok(samples.into_iter().next().map(moved))
     }
 
     /// How steep a field is near its surface: one that is as good as its shapes, as they are near theirs.
@@ -185,17 +213,8 @@ impl<'t> Elaborator<'t> {
         distance: &Number,
         span: Span,
     ) -> Eval<Number> {
-        let (extent, region) = (self.extent_of(shape, 0.0)?, self.region(shape)?);
-        let beyond = self.beyond(&region, point, span)?;
-        let mut farthest = self.component(&beyond, 0);
-        for axis in 1..beyond.ty.size() {
-            let component = self.component(&beyond, axis);
-            farthest = self.binary(Binary::Max, &farthest, &component, span)?;
-        }
-        let outside = self.binary(Binary::Less, &Number::float(0.0), &farthest, span)?;
-        let to_box = self.beyond(&extent, point, span)?;
-        let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
-        let to_box = self.unary(Unary::Length, &to_box, span)?;
+        let extent = self.extent_of(shape, 0.0)?;
+        let (outside, to_box) = self.outside_of(&extent, point, span)?;
         let mut slope = Number::float(slope.max(1.0));
         if self.stated(shape).is_some_and(|s| s.contract.quality.is_some() || s.contract.slope.is_some())
             && !self.slope_of(shape)?.wild
@@ -209,6 +228,74 @@ impl<'t> Elaborator<'t> {
         Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, to_box, within]))
     }
 
+    /// The step where some of the shapes that a field samples are steep and have boxes, and the field goes on beyond
+    /// these, as a blend with a plane does: outside of the boxes of the places where those shapes matter to it, it is as
+    /// if they were not there, until the ray comes to the boxes. Nothing if there are no such boxes.
+    fn step_beside(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        point: &Number,
+        distance: &Number,
+        span: Span,
+    ) -> Eval<Option<Number>> {
+        let ShapeKind::Field { block, env, origin } = &shape.kind else {
+            return match &shape.kind {
+                ShapeKind::Named { inner, .. } => self.step_beside(inner, point, distance, span),
+                _ => Ok(None),
+            };
+        };
+        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
+        if samples.len() < 2 || samples.iter().any(|(_, at, _)| !at.is_same(point)) {
+            return Ok(None);
+        }
+        let mut is_steep = Vec::new();
+        let mut around = Extent::NONE;
+        for (sample, ..) in &samples {
+            let extent = self.extent_of(sample, 0.0)?;
+            is_steep.push(self.slope_of(sample)?.everywhere > 1.0 && extent.is_bounded());
+            if is_steep[is_steep.len() - 1] {
+                around = around.union(&extent);
+            }
+        }
+        if around.is_empty() {
+            return Ok(None);
+        }
+        let size = around.size().into_iter().fold(0.0, f64::max);
+        let Some(level) = self.influence(shape, &is_steep, size)? else { return Ok(None) };
+        let mut extent = Extent::NONE;
+        for ((sample, ..), _) in samples.iter().zip(&is_steep).filter(|(_, is_steep)| **is_steep) {
+            extent = extent.union(&self.extent_of(sample, level)?);
+        }
+        if !extent.is_bounded() {
+            return Ok(None);
+        }
+        let steep: Vec<_> = samples.iter().zip(&is_steep).filter(|(_, s)| **s).map(|(s, _)| &s.0).collect();
+        let without = ShapeKind::Field { block, env: without(env, &steep), origin: *origin };
+        let without = Rc::new(Shape { kind: without, ..**shape });
+        let (outside, to_box) = self.outside_of(&extent, point, span)?;
+        let rest = self.safe_step(&without, point, span)?;
+        let from_inside = self.unary(Unary::Negate, &to_box, span)?;
+        let beside = self.binary(Binary::Max, &rest, &from_inside, span)?;
+        let beside = self.binary(Binary::Min, &beside, &to_box, span)?;
+        let slope = self.slope(shape, point, distance, span)?;
+        let within = self.binary(Binary::Divide, distance, &slope, span)?;
+        Ok(Some(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, beside, within])))
+    }
+
+    /// Whether a point lies outside of the region round a box, and how far it is from there to the box.
+    fn outside_of(&mut self, extent: &Extent, point: &Number, span: Span) -> Eval<(Number, Number)> {
+        let beyond = self.beyond(&extent.grown(room(extent)), point, span)?;
+        let mut farthest = self.component(&beyond, 0);
+        for axis in 1..beyond.ty.size() {
+            let component = self.component(&beyond, axis);
+            farthest = self.binary(Binary::Max, &farthest, &component, span)?;
+        }
+        let outside = self.binary(Binary::Less, &Number::float(0.0), &farthest, span)?;
+        let to_box = self.beyond(extent, point, span)?;
+        let to_box = self.binary(Binary::Max, &to_box, &Number::float(0.0), span)?;
+        Ok((outside, self.unary(Unary::Length, &to_box, span)?))
+    }
+
     /// How far a point lies outside of a box along each axis; below 0 inside.
     fn beyond(&mut self, extent: &Extent, point: &Number, span: Span) -> Eval<Number> {
         let dimension = if point.ty == Type::Vec3 { Dimension::Three } else { Dimension::Two };
@@ -217,131 +304,32 @@ impl<'t> Elaborator<'t> {
         let above = self.binary(Binary::Subtract, point, &hi, span)?;
         self.binary(Binary::Max, &below, &above, span)
     }
+}
 
-    /// The slope of a shape's field round a point at which it is `distance`: what its contract states there, or what
-    /// holds everywhere.
-    fn slope(
-        &mut self,
-        shape: &Rc<Shape<'t>>,
-        point: &Number,
-        distance: &Number,
-        span: Span,
-    ) -> Eval<Number> {
-        if !shape.steep {
-            return Ok(Number::float(1.0));
-        }
-        let known = self.slope_of(shape)?.everywhere;
-        if known <= 1.0 {
-            return Ok(Number::float(1.0));
-        }
-        if let Some(stated) = self.stated(shape)
-            && let Some((slope, _)) = stated.contract.slope
-        {
-            let samples = self.slopes_of_samples(shape, point, None, span)?;
-            return self.slope_here(slope, &stated.env, samples, point, distance);
-        }
-        match &shape.kind {
-            ShapeKind::Named { inner, .. } => self.slope(inner, point, distance, span),
-            ShapeKind::Painted { shape, .. } => self.slope(shape, point, distance, span),
-            ShapeKind::Choice { then, otherwise, .. } => {
-                let a = self.slope(then, point, distance, span)?;
-                let b = self.slope(otherwise, point, distance, span)?;
-                self.binary(Binary::Max, &a, &b, span)
-            }
-            ShapeKind::Field { .. } if self.stated(shape).is_none_or(|s| s.contract.quality.is_none()) => {
-                if known.is_finite() {
-                    return Ok(Number::float(known));
-                }
-                let Some(gain) = self.gain(shape)? else {
-                    return self.report(errors::no_slope(shape.place, false));
-                };
-                let reach = self.reach_of_step(distance, gain, span)?;
-                let largest = self.largest_of_samples(shape, point, Some(&reach), span)?;
-                self.binary(Binary::Multiply, &Number::float(gain.slope), &largest, span)
-            }
-            ShapeKind::Union { .. } | ShapeKind::Field { .. } => {
-                self.largest_of_samples(shape, point, None, span)
-            }
-        }
-    }
+/// A shape that a field shows elsewhere.
+struct Moved<'t> {
+    shape: Rc<Shape<'t>>,
+    /// The point as the shape sees it.
+    place: Number,
+    /// How fast that moves at most: a step of the shape is so many times as long as one of the field.
+    rate: f64,
+    /// Whether the field is the shape's distance there.
+    is_to_scale: bool,
+}
 
-    /// What a contract's expression says of the slope round a point, where the shapes that the field samples have
-    /// these slopes.
-    fn slope_here(
-        &mut self,
-        stated: &'t Expr,
-        env: &Env<'t>,
-        samples: Vec<(Rc<Shape<'t>>, Number)>,
-        point: &Number,
-        distance: &Number,
-    ) -> Eval<Number> {
-        let env: Env<'t> = env
-            .bind(Arc::from("p"), Value::Number(point.clone()))
-            .bind(Arc::from("d"), Value::Number(distance.clone()));
-        let before = self.facts.samples.replace(samples);
-        let value = self.eval(stated, &env);
-        self.facts.samples = before;
-        let slope = self.as_typed(value?, Type::Float, stated.span)?;
-        self.binary(Binary::Max, &slope, &Number::float(1.0), stated.span)
-    }
-
-    /// How far the places at which a field samples its shapes move during a step of its distance.
-    fn reach_of_step(&mut self, distance: &Number, gain: Gain, span: Span) -> Eval<Number> {
-        let distance = self.unary(Unary::Abs, distance, span)?;
-        self.binary(Binary::Multiply, &distance, &Number::float(gain.places), span)
-    }
-
-    /// The largest slope of the shapes that a field samples, each where it is sampled.
-    fn largest_of_samples(
-        &mut self,
-        shape: &Rc<Shape<'t>>,
-        point: &Number,
-        reach: Option<&Number>,
-        span: Span,
-    ) -> Eval<Number> {
-        let mut largest = Number::float(1.0);
-        for (_, slope) in self.slopes_of_samples(shape, point, reach, span)? {
-            largest = self.binary(Binary::Max, &largest, &slope, span)?;
+/// The variables of a field with nothing in the places of some shapes.
+fn without<'t>(env: &Env<'t>, shapes: &[&Rc<Shape<'t>>]) -> Env<'t> {
+    let replaced = |value: Value<'t>| match &value {
+        Value::Shape(s) if shapes.iter().any(|shape| Rc::ptr_eq(shape, s)) => {
+            let kind = ShapeKind::Union { shapes: Vec::new() };
+            Value::Shape(Rc::new(Shape { kind, painted: false, steep: false, ..**s }))
         }
-        Ok(largest)
-    }
-
-    /// The shapes that a field samples, each with its slope round where it is sampled: within its distance there, or
-    /// within `reach` where that is more.
-    fn slopes_of_samples(
-        &mut self,
-        shape: &Rc<Shape<'t>>,
-        point: &Number,
-        reach: Option<&Number>,
-        span: Span,
-    ) -> Eval<Vec<(Rc<Shape<'t>>, Number)>> {
-        let samples = match &shape.kind {
-            ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
-                return self.slopes_of_samples(inner, point, reach, span);
-            }
-            ShapeKind::Choice { .. } => return Ok(Vec::new()),
-            ShapeKind::Union { shapes } => {
-                let shapes = shapes.clone();
-                self.samples_of(|this| this.union_distance(&shapes, point, span))?
-            }
-            ShapeKind::Field { block, env, .. } => {
-                self.samples_of(|this| this.field_value(block, env, point))?
-            }
-        };
-        let mut out = Vec::new();
-        for (shape, at, distance) in samples {
-            let distance = match reach {
-                Some(reach) => {
-                    let distance = self.unary(Unary::Abs, &distance, span)?;
-                    self.binary(Binary::Max, &distance, reach, span)?
-                }
-                None => distance,
-            };
-            let slope = self.slope(&shape, &at, &distance, span)?;
-            out.push((shape, slope));
-        }
-        Ok(out)
-    }
+        _ => value,
+    };
+    env.map(|_, value| match &value {
+        Value::List(list) => Value::list(list.items.iter().cloned().map(replaced).collect()),
+        _ => replaced(value),
+    })
 }
 
 fn approached<'t>(distance: Number, stride: Number) -> Value<'t> {

@@ -55,6 +55,16 @@ impl Number {
         }
     }
 
+    /// Whether both are the same value of the same open function.
+    pub fn is_same(&self, other: &Number) -> bool {
+        match (&self.repr, &other.repr) {
+            (Repr::Local(depth, value), Repr::Local(other_depth, other)) => {
+                depth == other_depth && value == other
+            }
+            _ => false,
+        }
+    }
+
     /// Whether it depends on the arguments of an open function.
     pub fn is_local(&self) -> bool {
         match &self.repr {
@@ -352,6 +362,14 @@ impl<'t> Env<'t> {
         let depth = parent.as_ref().map_or(0, |scope| scope.depth) + 1;
         let chunk = depth.is_multiple_of(CHUNK).then(|| Chunk::new(&name, &value, &parent));
         Env { module: self.module, scope: Some(Rc::new(Scope { name, value, parent, traits, depth, chunk })) }
+    }
+
+    /// The same variables with what becomes of their values.
+    pub fn map(&self, change: impl Fn(&Arc<str>, Value<'t>) -> Value<'t>) -> Env<'t> {
+        self.variables().into_iter().fold(Env::new(self.module), |env, (name, value)| {
+            let value = change(&name, value);
+            env.bind(name, value)
+        })
     }
 
     /// The innermost variable, by its place in memory, which tells the variables from others.

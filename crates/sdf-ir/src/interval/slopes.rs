@@ -96,7 +96,8 @@ impl Slopes {
         self.norm == 0.0
     }
 
-    pub(crate) fn gradients(&self) -> &[[Interval; 3]; 3] {
+    /// The gradient of each component, along x, y and z.
+    pub fn gradients(&self) -> &[[Interval; 3]; 3] {
         &self.gradients
     }
 

@@ -35,19 +35,19 @@ const LARGEST_SEARCHED: u64 = 5_000;
 /// The steepest slope that is of any use.
 const STEEPEST: f64 = 1e6;
 /// A bound so little above 1 comes from the proof's own rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A field's formula as functions that intervals can walk.
 #[derive(Debug)]
 pub(crate) struct Formula {
-    ty: Type,
+    pub(super) ty: Type,
     /// `p → distance`.
     whole: Function,
     /// `p →` the arguments of `inner`, then the points at which shapes are sampled.
-    outer: Function,
+    pub(super) outer: Function,
     /// What the formula makes of its arguments, the sampled distances among them.
-    inner: Function,
-    samples: Vec<Sampled>,
+    pub(super) inner: Function,
+    pub(super) samples: Vec<Sampled>,
     /// How many operations one evaluation takes.
     operations: u64,
 }
@@ -62,9 +62,9 @@ impl Formula {
 
 /// A distance that a formula samples.
 #[derive(Debug)]
-struct Sampled {
+pub(super) struct Sampled {
     /// Which argument of the formula it is.
-    argument: usize,
+    pub(super) argument: usize,
     /// The slope of its shape everywhere; infinite where nothing is known.
     slope: f64,
     /// The slope of its shape in a region, and that region. A place beyond its border by rounding counts as inside.
@@ -243,7 +243,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// The formula of a field; nothing if it is made from what an open function computes.
-    fn formula(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Rc<Formula>>> {
+    pub(super) fn formula(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Rc<Formula>>> {
         let shape = &unwrapped(shape);
         let ShapeKind::Field { block, env, .. } = &shape.kind else { return Ok(None) };
         let key = Rc::as_ptr(shape).cast::<()>();

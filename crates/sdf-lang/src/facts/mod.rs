@@ -8,6 +8,7 @@ mod ask;
 mod attack;
 mod boxes;
 mod derive;
+mod influence;
 mod listing;
 mod promise;
 
@@ -65,6 +66,7 @@ pub(crate) struct Facts<'t> {
     slopes: HashMap<*const (), Slope>,
     extents: HashMap<(*const (), u64), Extent>,
     formulas: HashMap<*const (), Option<Rc<Formula>>>,
+    parts_behind: HashMap<*const (), Vec<Rc<Shape<'t>>>>,
     /// The shapes whose places are keys: as long as they are kept, no other shape gets their places.
     kept: Vec<Rc<Shape<'t>>>,
     frame: Growing,
@@ -78,12 +80,13 @@ pub(crate) struct Facts<'t> {
     pub samples: Option<Vec<(Rc<Shape<'t>>, crate::value::Number)>>,
 }
 
-impl Facts<'_> {
+impl<'t> Facts<'t> {
     pub fn new() -> Self {
         Facts {
             slopes: HashMap::new(),
             extents: HashMap::new(),
             formulas: HashMap::new(),
+            parts_behind: HashMap::new(),
             kept: Vec::new(),
             frame: Growing::new(),
             open: (u32::MAX, Growing::new()),
@@ -91,6 +94,16 @@ impl Facts<'_> {
             takes_apart: false,
             samples: None,
         }
+    }
+
+    /// The shapes that a shape was found to be the union of.
+    pub fn parts_behind(&self, shape: &Rc<Shape<'t>>) -> Option<Vec<Rc<Shape<'t>>>> {
+        self.parts_behind.get(&Rc::as_ptr(shape).cast()).cloned()
+    }
+
+    pub fn keep_parts_behind(&mut self, shape: &Rc<Shape<'t>>, parts: &[Rc<Shape<'t>>]) {
+        self.kept.push(shape.clone());
+        self.parts_behind.insert(Rc::as_ptr(shape).cast(), parts.to_vec());
     }
 }
 

@@ -1,0 +1,149 @@
+//! How a field depends on the distances that it samples: whether it grows with one, and how far away a shape matters to
+//! the field's surface.
+
+use crate::eval::{Elaborator, Eval};
+use crate::facts::derive::{Formula, ROUNDING};
+use crate::facts::flat;
+use crate::facts::promise::bounds_of_cell;
+use crate::value::Shape;
+use sdf_ir::Program;
+use sdf_ir::interval::{Bounds, Interval, Sloped, Walker};
+use sdf_ir::region::Extent;
+use sdf_syntax::tree::Dimension;
+use std::rc::Rc;
+
+/// How often one proof about a field's samples may ask.
+const ASKED: usize = 4000;
+/// Of more distances than this a field is not looked at as a function.
+const MOST_OTHERS: usize = 3;
+/// No distance is larger, not even that to nothing.
+const FARTHEST: f64 = 2.0 * crate::NOTHING;
+/// The levels that are tried are the shapes' size times a power of 2 between these.
+const LEVELS: [i32; 2] = [-10, 4];
+
+/// How a field shows one shape elsewhere.
+pub(crate) struct Zoom {
+    /// What it multiplies the distance by.
+    pub factor: Interval,
+    /// How fast the place at which it samples the shape moves with the point, at most.
+    pub rate: f64,
+}
+
+impl<'t> Elaborator<'t> {
+    /// How a field draws the one shape that it samples larger or smaller; nothing if it does more, or gets steeper.
+    pub fn zoom(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Zoom>> {
+        let Some(formula) = self.formula(shape)? else { return Ok(None) };
+        let [only] = &formula.samples[..] else { return Ok(None) };
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
+        arguments[only.argument] = Sloped::steady(distances(0.0, 0.0));
+        let at_surface = inner.run(&arguments)[0].bounds.number();
+        arguments[only.argument] = Sloped::point(distances(-FARTHEST, FARTHEST));
+        let factor = inner.run(&arguments)[0].slopes.gradients()[0][0];
+        let mut outer = Walker::new(program, &formula.outer, &uniforms, &globals);
+        let anywhere = bounds_of_cell(&flat(Extent::ALL, shape.dimension), formula.ty);
+        let rate = outer.run(&[Sloped::point(anywhere)]).last().map_or(f64::INFINITY, Sloped::norm);
+        let is_zoom = at_surface == Interval::ZERO && factor.lo > 0.0 && rate * factor.hi <= 1.0 + ROUNDING;
+        Ok(is_zoom.then_some(Zoom { factor, rate: if (rate - 1.0).abs() < ROUNDING { 1.0 } else { rate } }))
+    }
+
+    /// Whether a field samples one distance, and never falls where that grows: then it is of a union what the union is of
+    /// it.
+    pub fn grows_with_its_sample(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+        let Some(formula) = self.formula(shape)? else { return Ok(false) };
+        let [only] = &formula.samples[..] else { return Ok(false) };
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
+        arguments[only.argument] = Sloped::point(distances(-FARTHEST, FARTHEST));
+        let rate = inner.run(&arguments)[0].slopes.gradients()[0][0];
+        Ok(rate.lo >= 0.0)
+    }
+
+    /// How far away some of the shapes that a field samples matter: where all of their distances are at least this level,
+    /// the field is above 0, and below, where it would be without them. Nothing if no level is found up to some times
+    /// `size`, the size of those shapes. `is_chosen` tells which samples they are, in their order.
+    pub fn influence(&mut self, shape: &Rc<Shape<'t>>, is_chosen: &[bool], size: f64) -> Eval<Option<f64>> {
+        let others = is_chosen.iter().filter(|chosen| !**chosen).count();
+        let Some(formula) = self.formula(shape)? else { return Ok(None) };
+        if others == 0 || others > MOST_OTHERS || formula.samples.len() != is_chosen.len() {
+            return Ok(None);
+        }
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let program = &self.contexts.program;
+        let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
+        let mut matters = |level: f64, cell: &[Interval]| {
+            let mut others = cell.iter().peekable();
+            for (sample, is_chosen) in formula.samples.iter().zip(is_chosen) {
+                arguments[sample.argument] = match others.next_if(|_| !*is_chosen) {
+                    Some(distance) => Sloped::steady(Bounds::float(*distance)),
+                    None => Sloped::within(distances(level, FARTHEST), 1.0),
+                };
+            }
+            let field = inner.run(&arguments)[0];
+            let value = field.bounds.number();
+            field.norm() > 0.0 && value.lo <= 0.0 && value.hi >= 0.0
+        };
+        let mut is_enough = |exponent: i32| {
+            let level = size * f64::from(exponent).exp2();
+            holds_nowhere(others, size, |cell| matters(level, cell))
+        };
+        let [mut least, mut most] = LEVELS;
+        if !is_enough(most) {
+            return Ok(None);
+        }
+        while least < most {
+            let middle = (least + most).div_euclid(2);
+            if is_enough(middle) { most = middle } else { least = middle + 1 }
+        }
+        Ok(Some(size * f64::from(most).exp2()))
+    }
+}
+
+/// A formula as a function of its samples; and the arguments that it has besides, whatever they are at any point.
+fn of_samples<'a>(
+    formula: &'a Formula,
+    dimension: Dimension,
+    program: &'a Program,
+    uniforms: &[Bounds],
+    globals: &[Bounds],
+) -> (Walker<'a, Sloped>, Vec<Sloped>) {
+    let anywhere = bounds_of_cell(&flat(Extent::ALL, dimension), formula.ty);
+    let mut outer = Walker::new(program, &formula.outer, uniforms, globals);
+    let mut arguments = outer.run(&[Sloped::steady(anywhere)]).to_vec();
+    arguments.truncate(formula.inner.parameters.len());
+    (Walker::new(program, &formula.inner, uniforms, globals), arguments)
+}
+
+/// Whether something holds for no values of some distances, as far as a search by halves shows that asks whether it may
+/// hold in a cell. It is fine near 0, by `size`, and coarse far away.
+fn holds_nowhere(count: usize, size: f64, mut may_hold: impl FnMut(&[Interval]) -> bool) -> bool {
+    let farthest = (FARTHEST / size).asinh();
+    let mut left = vec![vec![Interval::new(-farthest, farthest); count]];
+    for _ in 0..ASKED {
+        let Some(cell) = left.pop() else { return true };
+        let end = |u: f64| size * u.sinh();
+        let ends = |u: &Interval| distances(end(u.lo), end(u.hi)).number();
+        let distances: Vec<Interval> = cell.iter().map(ends).collect();
+        if !may_hold(&distances) {
+            continue;
+        }
+        let width = |axis: &usize| cell[*axis].hi - cell[*axis].lo;
+        let Some(axis) = (0..count).max_by(|a, b| width(a).total_cmp(&width(b))) else { return false };
+        let (lo, hi) = (cell[axis].lo, cell[axis].hi);
+        let middle = (lo + hi) / 2.0;
+        for half in [Interval::new(lo, middle), Interval::new(middle, hi)] {
+            let mut part = cell.clone();
+            part[axis] = half;
+            left.push(part);
+        }
+    }
+    false
+}
+
+/// The distances from one to another.
+fn distances(least: f64, most: f64) -> Bounds {
+    let known = |d: f64| d.clamp(-FARTHEST, FARTHEST);
+    Bounds::float(Interval::new(known(least), known(most)))
+}

@@ -47,8 +47,12 @@ fn run(effort: Effort, table_name: &str, least: usize) {
             certified += score.certified;
             table.rows.push(row(&fixture.name, name, score));
         }
-        if let (Some((twin, _)), Some(score)) = (&fixture.twin, &outcome.twin) {
-            table.rows.push(row(&fixture.name, &format!("*twin: {twin}*"), score));
+        if let (Some(naive), Some(score)) = (&fixture.twin, &outcome.twin) {
+            table.rows.push(row(
+                &fixture.name,
+                &format!("*twin: {}, on {}*", naive.twin, naive.client),
+                score,
+            ));
         }
     }
     println!("{}{certified} certified", table.markdown());

@@ -256,9 +256,8 @@ impl Score {
 
     /// What is wrong, if anything, by what the fixture asks for.
     pub fn complaint(&self, fixture: &Fixture) -> Option<String> {
-        let open = |fault: &str| fixture.open.iter().find(|(name, _)| name == fault).map_or(0, |(_, n)| *n);
         let faults = self.faults();
-        let faults = faults.iter().filter(|(name, n)| *n > open(name));
+        let faults = faults.iter().filter(|(_, n)| *n > 0);
         let mut said: Vec<String> = faults.map(|(name, n)| format!("{n} {name}")).collect();
         for (name, count, share) in [
             ("ambiguous", self.ambiguous, fixture.ambiguous),

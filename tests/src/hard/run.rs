@@ -69,14 +69,14 @@ impl Outcome {
         let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
         let frames = fixture.frames(effort);
         let truth = subject.truth();
-        let truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
-        let judged = |execution: &Execution, program: &Program, frames: &[Frame], change: Change| {
+        let mut truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
+        let mut judged = |execution: &Execution, program: &Program, frames: &[Frame], change: Change| {
             let every = match execution {
                 Execution::Interpreter => 1,
                 _ => frames.len().div_ceil(DRIVER_FRAMES),
             };
-            let some = frames.iter().zip(&truths).rev().step_by(every);
-            let score = |(frame, truth): (&Frame, &Certified)| {
+            let some = frames.iter().zip(&mut truths).rev().step_by(every);
+            let score = |(frame, truth): (&Frame, &mut Certified)| {
                 truth.score(fixture, &execution.buffers(program, frame, change))
             };
             some.map(score).fold(Score::default(), Score::joined)

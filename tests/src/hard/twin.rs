@@ -6,10 +6,10 @@ use crate::run::Kernel;
 use sdf_lang::compiler_files;
 use std::path::PathBuf;
 
-/// A twin by the name that a fixture gives it: a folder; `product` where nothing stands in; `uniform` where nothing does
-/// either, but the param that the case freezes is a uniform, so that nothing is folded. Then `, unguarded` where the
-/// operations are the interpreter's own, without what makes them total, or `, bare sines` where the sine and the cosine
-/// are those of the driver.
+/// A twin by the name that a fixture gives it: a folder, or `product` where nothing stands in. Then, behind commas, what else
+/// is left out: `uniform` where the param that the case freezes is a uniform, so that nothing is folded; `unguarded` where
+/// the operations are the interpreter's own, without what makes them total; `bare sines` where the sine and the cosine are
+/// those of the driver.
 #[derive(Debug, Clone)]
 pub struct Twin {
     /// The texts that stand in for the compiler's files, by their names.
@@ -25,16 +25,19 @@ pub struct Twin {
 impl Twin {
     /// The twin of this name.
     pub fn named(name: &str) -> Twin {
-        let (folder, guard) = name.split_once(", ").unwrap_or((name, ""));
-        let (guarded, shader): (_, fn(Kernel) -> Kernel) = match guard {
-            "" => (true, |kernel| kernel),
-            "unguarded" => (false, |kernel| kernel),
-            "bare sines" => (true, with_bare_sines),
-            _ => panic!("`{guard}` is no guard"),
-        };
-        let is_folder = !["product", "uniform"].contains(&folder);
-        let replaced = if is_folder { replaced(folder) } else { Vec::new() };
-        Twin { replaced, frozen: folder != "uniform", guarded, shader }
+        let mut parts = name.split(", ");
+        let folder = parts.next().unwrap_or_default();
+        let replaced = if folder == "product" { Vec::new() } else { replaced(folder) };
+        let mut twin = Twin { replaced, frozen: true, guarded: true, shader: |kernel| kernel };
+        for part in parts {
+            match part {
+                "uniform" => twin.frozen = false,
+                "unguarded" => twin.guarded = false,
+                "bare sines" => twin.shader = with_bare_sines,
+                _ => panic!("`{name}`: what is `{part}`?"),
+            }
+        }
+        twin
     }
 }
 

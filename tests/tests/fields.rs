@@ -90,16 +90,12 @@ fn the_driver_computes_what_the_lanes_compute() {
     assert!(complaints.is_empty(), "{complaints}");
 }
 
-/// Creases pass through such points by nature, so only that all is finite and the distances agree is asked. The naive twin
-/// has the operations without what makes them total.
+/// Creases pass through such points by nature, so only that all is finite and the distances agree is asked.
 #[test]
 fn nothing_is_infinite_at_nasty_points() {
     let (mut table, mut complaints) = (String::from(HEAD), String::new());
     let points = nasty_points();
-    let mut infinite = 0;
     for (name, field) in fields() {
-        let naive = [&field.distance, &field.gradient].map(|program| run::<f32>(program, &points));
-        infinite += usize::from(naive.iter().flatten().flatten().any(|x| !x.is_finite()));
         for (what, language) in [("distance", KernelLanguage::Wgsl), ("in GLSL", KernelLanguage::Glsl450)] {
             let spread = Spread { steep: 0, ..on_driver(&field.distance, language, &points) };
             note(&name, what, &spread, &mut table, &mut complaints);
@@ -118,8 +114,6 @@ fn nothing_is_infinite_at_nasty_points() {
     }
     keep("fields_at_nasty_points.txt", &table);
     assert!(complaints.is_empty(), "{complaints}");
-    println!("{infinite} fields are not finite without guards");
-    assert!(infinite > 10, "{infinite} fields are not finite without guards");
 }
 
 #[test]

@@ -89,6 +89,35 @@ fn a_steep_shape_costs_where_it_is() {
     }
 }
 
+/// Far from a steep shape its box is stepped to: rays that pass a twisted column at a distance, on their way to a wall, take
+/// the steps of those that pass a plain box of its size. The naive twin has the same field and slope, and no box.
+#[test]
+fn a_steep_shape_costs_nothing_to_pass() {
+    let _alone = alone();
+    let steps = |shape: &str| {
+        let text = format!(
+            "camera {{ eye: (1.8, 0, 9), target: (1.8, 0, 0), fov: 8deg }}
+let twisted = box((0.3, 1.2, 0.3)).twist(13)
+{shape}
+scene {{ shape, box((8, 8, 0.1)).at(1.8, 0, -9) }}"
+        );
+        let example = Example { name: shape.into(), text };
+        let rays = count(&example, &["product"], &small()).unwrap().remove(0).rays;
+        let meets_wall = |depth: f64| (17.8..18.5).contains(&depth);
+        assert!(
+            rays.met.iter().all(|met| met.depth.is_some_and(meets_wall)),
+            "{shape}: all rays meet the wall"
+        );
+        rays.steps()
+    };
+    let passing = steps("let shape = twisted");
+    let plain = steps("let shape = box((0.3 * sqrt(2), 1.2, 0.3 * sqrt(2)))");
+    let naive = steps(&format!("@lipschitz({PROVED})\nlet shape = field {{ twisted(p) }}"));
+    println!("{passing:.2} steps past the column, {plain:.2} past the box, {naive:.2} by the slope alone");
+    assert!(passing <= 1.1 * plain, "{passing:.2} steps, and {plain:.2} past a plain box");
+    assert!(naive >= 3.0 * passing, "{naive:.2} steps by the slope alone, and {passing:.2} with the box");
+}
+
 /// Where no field is steep, a program has no trace of what is done about those that are.
 #[test]
 fn what_is_not_steep_costs_nothing() {

@@ -46,11 +46,18 @@ impl Execution<'_> {
         }
     }
 
-    /// What the pixels of a frame show, by a program whose entry is a probe; or what a driver has against it.
-    pub fn buffers(&self, program: &Program, frame: &Frame) -> Result<Buffers, String> {
+    /// What the pixels of a frame show, by a program whose entry is a probe; or what a driver has against it. `change` is what
+    /// becomes of its shader before a driver takes it.
+    pub fn buffers(
+        &self,
+        program: &Program,
+        frame: &Frame,
+        change: fn(Kernel) -> Kernel,
+    ) -> Result<Buffers, String> {
         let Some(language) = self.language() else { return Ok(Buffers::of_program(program, frame)) };
         let probe = program.entry.expect("a probe");
-        let kernel = Kernel::of(program, probe, language, &frame.uniforms(program), &coordinates(frame));
+        let kernel =
+            change(Kernel::of(program, probe, language, &frame.uniforms(program), &coordinates(frame)));
         let words = match self {
             Execution::SwiftShader(path, _) => swiftshader::compute(path, &kernel),
             Execution::Chromium(canvas) => canvas.compute(&kernel),

@@ -5,12 +5,12 @@
 //! * `// sweep: NAME = A..B in N`: the same with N values, evenly spaced, both ends included;
 //! * `// size: WxH, WxH`: the pictures' sizes, instead of [`SIZE`];
 //! * `// ambiguous: N %`, `// out of steps: N %`: how many pixels may be so, where the case cannot have as few as others;
-//! * `// open: N FAULT, N FAULT`: what is not right yet: so many pixels of a scene have this fault, and no more may;
 //! * `// normals: rough`: the surface is rough below the tolerance, so that any normal is as good as another;
 //! * `// colour: R, G, B`: all that is seen has this colour;
 //! * `// shadows: exact`: the colour of all surfaces is the vector to the light, and what is lit is certified, too;
 //! * `// also: CLIENT, CLIENT`: where it is run besides the interpreter and lavapipe: `SwiftShader`, `Chromium`;
-//! * `// twin: NAME shows FAULT`: the [twin](super::twin), and what must be wrong with its pictures.
+//! * `// twin: NAME shows FAULT`, `// twin: NAME on CLIENT shows FAULT`: the [twin](super::twin), and what must be wrong with
+//!   its pictures, on the interpreter where no client of `also` is named.
 
 use sdf_ir::Constant;
 use sdf_lang::{Options, Scene};
@@ -34,7 +34,7 @@ pub enum Effort {
 }
 
 /// See [`Effort::Long`].
-pub const LONG_SCALE: u32 = 4;
+pub const LONG_SCALE: u32 = 3;
 
 /// A file.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +53,6 @@ pub struct Fixture {
     pub ambiguous: f64,
     /// The largest share of pixels that are out of steps.
     pub out_of_steps: f64,
-    /// How many pixels of a scene have a fault that is known.
-    pub open: Vec<(String, usize)>,
     /// Whether the frames are those of a sweep.
     pub is_sweep: bool,
     /// Whether normals are not judged.
@@ -65,8 +63,19 @@ pub struct Fixture {
     pub shadows: bool,
     /// Where it is run besides.
     pub also: Vec<String>,
-    /// The name of the twin, and the column in which it must have something.
-    pub twin: Option<(String, String)>,
+    /// The naive twin, and what it must show.
+    pub twin: Option<Naive>,
+}
+
+/// What a file says of its twin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Naive {
+    /// The twin's [name](super::twin::Twin::named).
+    pub twin: String,
+    /// How the name of the [execution](super::Execution) on which it is run begins.
+    pub client: String,
+    /// The fault that it must have at more pixels than the case itself.
+    pub fault: String,
 }
 
 /// A scene of a fixture.
@@ -114,7 +123,6 @@ impl Fixture {
             sizes: vec![SIZE],
             ambiguous: AMBIGUOUS,
             out_of_steps: OUT_OF_STEPS,
-            open: Vec::new(),
             is_sweep: false,
             is_rough: false,
             colour: None,
@@ -163,13 +171,6 @@ impl Fixture {
             }
             "ambiguous" => self.ambiguous = percent(value)?,
             "out of steps" => self.out_of_steps = percent(value)?,
-            "open" => {
-                let fault = |text: &String| {
-                    let (count, fault) = text.split_once(' ')?;
-                    Some((fault.to_owned(), count.parse().ok()?))
-                };
-                self.open = list(value).iter().map(fault).collect::<Option<_>>()?;
-            }
             "colour" => {
                 let numbers: Vec<f32> = numbers(value)?.into_iter().map(|x: f64| x as f32).collect();
                 self.colour = Some(numbers.try_into().ok()?);
@@ -179,7 +180,9 @@ impl Fixture {
             "also" => self.also = list(value),
             "twin" => {
                 let (twin, fault) = value.split_once(" shows ")?;
-                self.twin = Some((twin.to_owned(), fault.to_owned()));
+                let (twin, client) = twin.split_once(" on ").unwrap_or((twin, "interpreter"));
+                let [twin, client, fault] = [twin, client, fault].map(str::to_owned);
+                self.twin = Some(Naive { twin, client, fault });
             }
             _ => {}
         }

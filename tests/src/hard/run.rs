@@ -1,9 +1,11 @@
 //! A fixture on all its executions, judged, and its twin.
 
 use super::execution::Execution;
-use super::fixture::{Effort, Fixture, Subject};
+use super::fixture::{Effort, Fixture, Naive, Subject};
 use super::score::{Certified, Score};
 use super::twin::Twin;
+use crate::adapter;
+use crate::run::Kernel;
 use crate::scenes::legalised;
 use sdf_ir::Program;
 use sdf_lang::Scene;
@@ -12,6 +14,12 @@ use sdf_render::Frame;
 /// On drivers, where each frame compiles a shader of its own, a scene is drawn at no more frames than this, the last among
 /// them.
 const DRIVER_FRAMES: usize = 12;
+
+/// The least share of a case's pixels at which its twin has the fault and the case has not: fewer may be an accident.
+const LEAST_SHARE: f64 = 0.005;
+
+/// What becomes of a shader before a driver takes it.
+type Change = fn(Kernel) -> Kernel;
 
 /// What came of a fixture.
 pub struct Outcome {
@@ -26,7 +34,13 @@ pub struct Outcome {
 impl Outcome {
     /// Runs a fixture on these executions.
     pub fn of(fixture: &Fixture, effort: Effort, executions: &[Execution]) -> Outcome {
-        let twin = fixture.twin.as_ref().map(|(name, _)| Twin::named(name));
+        // Where one device is chosen, a twin that is another client's is left out as that client is.
+        let twin = fixture.twin.as_ref().and_then(|naive| {
+            let execution = executions.iter().position(|it| it.name().starts_with(&naive.client));
+            let client = &naive.client;
+            assert!(execution.is_some() || adapter::is_chosen(), "{}: `{client}` is no client", fixture.name);
+            execution.map(|execution| (Twin::named(&naive.twin), execution))
+        });
         let mut outcome = Outcome {
             scores: executions.iter().map(|execution| (execution.name(), Score::default())).collect(),
             twin: twin.as_ref().map(|_| Score::default()),
@@ -35,11 +49,10 @@ impl Outcome {
         for subject in fixture.subjects() {
             outcome.add(fixture, &subject, effort, executions, twin.as_ref());
         }
-        if let (Some(score), Some((name, fault))) = (&outcome.twin, &fixture.twin)
-            && score.count_of(fault) == 0
+        if let (Some(naive), Some(score), Some((_, execution))) = (&fixture.twin, &outcome.twin, twin)
+            && let Some(complaint) = complaint_about(naive, score, &outcome.scores[execution].1)
         {
-            outcome.complaints +=
-                &format!("{}: the twin `{name}` shows no {fault}: {score:?}\n", fixture.name);
+            outcome.complaints += &format!("{}: {complaint}\n", fixture.name);
         }
         outcome
     }
@@ -50,24 +63,26 @@ impl Outcome {
         subject: &Subject,
         effort: Effort,
         executions: &[Execution],
-        twin: Option<&Twin>,
+        twin: Option<&(Twin, usize)>,
     ) {
         let scene = subject.scene(&[]);
         let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
         let frames = fixture.frames(effort);
         let truth = subject.truth();
-        let truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
-        let judged = |execution: &Execution, program: &Program, frames: &[Frame], every: usize| {
-            let some = frames.iter().zip(&truths).rev().step_by(every);
-            let score = |(frame, truth): (&Frame, &Certified)| {
-                execution.buffers(program, frame).map(|seen| truth.score(fixture, &seen))
+        let mut truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
+        let mut judged = |execution: &Execution, program: &Program, frames: &[Frame], change: Change| {
+            let every = match execution {
+                Execution::Interpreter => 1,
+                _ => frames.len().div_ceil(DRIVER_FRAMES),
+            };
+            let some = frames.iter().zip(&mut truths).rev().step_by(every);
+            let score = |(frame, truth): (&Frame, &mut Certified)| {
+                execution.buffers(program, frame, change).map(|seen| truth.score(fixture, &seen))
             };
             some.map(score).try_fold(Score::default(), |sum, score| Ok::<_, String>(sum.joined(score?)))
         };
-        let on_drivers = frames.len().div_ceil(DRIVER_FRAMES);
         for (execution, (name, sum)) in executions.iter().zip(&mut self.scores) {
-            let every = if matches!(execution, Execution::Interpreter) { 1 } else { on_drivers };
-            let score = judged(execution, &program, &frames, every).unwrap_or_else(|said| {
+            let score = judged(execution, &program, &frames, |kernel| kernel).unwrap_or_else(|said| {
                 self.complaints += &format!("{}, {name}: it does not run: {said}\n", subject.name);
                 Score::default()
             });
@@ -82,14 +97,27 @@ impl Outcome {
             }
             *sum = std::mem::take(sum).joined(score);
         }
-        if let (Some(twin), Some(sum)) = (twin, &mut self.twin) {
+        if let (Some((twin, execution)), Some(sum)) = (twin, &mut self.twin) {
             let (subject, frames) =
                 if twin.frozen { (subject.clone(), frames.clone()) } else { subject.thawed(&frames) };
             let program = twin_program(&subject.scene(&twin.replaced), twin);
-            let score = judged(&Execution::Interpreter, &program, &frames, 1);
-            *sum = std::mem::take(sum).joined(score.expect("the interpreter runs every program"));
+            match judged(&executions[*execution], &program, &frames, twin.shader) {
+                Ok(score) => *sum = std::mem::take(sum).joined(score),
+                Err(said) => self.complaints += &format!("{}, its twin: {said}\n", subject.name),
+            }
         }
     }
+}
+
+/// What is wrong with a twin, if anything: it must fail where the case does not, in the same scenes and views.
+fn complaint_about(naive: &Naive, twin: &Score, product: &Score) -> Option<String> {
+    let Naive { twin: name, fault, .. } = naive;
+    let (naive, right) = (twin.count_of(fault), product.count_of(fault));
+    let is_clear = naive > right && (naive - right) as f64 >= twin.pixels as f64 * LEAST_SHARE;
+    let named = twin.named.join("\n  ");
+    (!is_clear).then(|| {
+        format!("the twin `{name}` has {naive} {fault} of {}, the case {right}\n  {named}", twin.pixels)
+    })
 }
 
 fn first_line(text: &str) -> &str {

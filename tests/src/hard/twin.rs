@@ -2,13 +2,15 @@
 //! that stand in for those of the same name and parameters in the compiler's file of the same name, their attributes
 //! included. What it adds besides is added.
 
+use crate::run::Kernel;
 use sdf_lang::compiler_files;
 use std::path::PathBuf;
 
-/// A twin by the name that a fixture gives it: a folder; `product` where nothing stands in; `uniform` where nothing does
-/// either, but the param that the case freezes is a uniform, so that nothing is folded. Then `, unguarded` where the
-/// operations are the hardware's own, without what makes them total.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A twin by the name that a fixture gives it: a folder, or `product` where nothing stands in. Then, behind commas, what else
+/// is left out: `uniform` where the param that the case freezes is a uniform, so that nothing is folded; `unguarded` where
+/// the operations are the interpreter's own, without what makes them total; `bare sines` where the sine and the cosine are
+/// those of the driver.
+#[derive(Debug, Clone)]
 pub struct Twin {
     /// The texts that stand in for the compiler's files, by their names.
     pub replaced: Vec<(String, String)>,
@@ -16,19 +18,39 @@ pub struct Twin {
     pub frozen: bool,
     /// Whether operations are made total.
     pub guarded: bool,
+    /// What becomes of a shader before a driver takes it.
+    pub shader: fn(Kernel) -> Kernel,
 }
 
 impl Twin {
     /// The twin of this name.
     pub fn named(name: &str) -> Twin {
-        let (folder, guarded) = match name.strip_suffix(", unguarded") {
-            Some(folder) => (folder, false),
-            None => (name, true),
-        };
-        let is_folder = !["product", "uniform"].contains(&folder);
-        let replaced = if is_folder { replaced(folder) } else { Vec::new() };
-        Twin { replaced, frozen: folder != "uniform", guarded }
+        let mut parts = name.split(", ");
+        let folder = parts.next().unwrap_or_default();
+        let replaced = if folder == "product" { Vec::new() } else { replaced(folder) };
+        let mut twin = Twin { replaced, frozen: true, guarded: true, shader: |kernel| kernel };
+        for part in parts {
+            match part {
+                "uniform" => twin.frozen = false,
+                "unguarded" => twin.guarded = false,
+                "bare sines" => twin.shader = with_bare_sines,
+                _ => panic!("`{name}`: what is `{part}`?"),
+            }
+        }
+        twin
     }
+}
+
+/// A shader in WGSL that asks the driver for the sine and the cosine, whatever the angle.
+fn with_bare_sines(kernel: Kernel) -> Kernel {
+    let (before, function) =
+        kernel.text.split_once("fn sine_cosine(").expect("a shader in WGSL that turns something");
+    let (angle, _) = function.split_once(':').expect("a parameter with a type");
+    let (_, after) = function.split_once("\n}\n").expect("an end of the function");
+    let bare =
+        format!("fn sine_cosine({angle}: f32) -> vec2f {{ return vec2f(sin({angle}), cos({angle})); }}\n");
+    let text = [before, &bare, after].concat();
+    Kernel { text, ..kernel }
 }
 
 /// The files of a twin's folder, put into the compiler's.

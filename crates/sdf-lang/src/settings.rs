@@ -82,6 +82,12 @@ impl<'t> Elaborator<'t> {
         }
     }
 
+    /// Where the value of a setting is written, if it is.
+    pub fn span_of_setting(&self, kind: SettingsKind, name: &str) -> Option<Span> {
+        let (_, record, _) = self.names.user.settings.iter().find(|(k, ..)| *k == kind)?;
+        record.fields.iter().find(|field| &*field.name.text == name).map(|field| field.value.span)
+    }
+
     fn fields(&mut self, record: &'t Record, name: &str, all: &'static [&'static str]) -> Block<'t> {
         let mut fields: HashMap<&'static str, &'t Expr> = HashMap::new();
         let mut first: HashMap<&'static str, &'t Name> = HashMap::new();

@@ -453,6 +453,21 @@ fn rays_that_run_out_of_steps_are_told() {
 }
 
 #[test]
+fn a_scene_beyond_far_is_told_once() {
+    let folder = Folder::new(&[("big.sdf", b"camera { eye: (0, 0, 3000) } scene { sphere(1000) }")]);
+    for call in [
+        "render big.sdf -o a.png --device cpu --size 8x4",
+        "check big.sdf",
+        "check --certify --size 8x4 big.sdf",
+    ] {
+        let run = folder.run(&format!("{call} --message-format short"));
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        let warned = run.err.lines().filter(|line| line.starts_with("big.sdf:1:30: warning[W007]: ")).count();
+        assert!(warned == 1 && run.err.contains("`render { far: … }`"), "{call}: {}", run.err);
+    }
+}
+
+#[test]
 fn views_are_drawn_with_a_legend() {
     let folder = Folder::with_scene();
     let legends = [
@@ -568,6 +583,39 @@ fn certified_scenes_have_a_row_for_each_moment() {
     }
     let table = String::from_utf8(late.out).unwrap();
     assert!(table.lines().any(|line| line.starts_with("  time = 1000 ")), "{table}");
+}
+
+/// The eye stands on a surface: no number tells whether a ray begins inside or outside.
+const ON_SURFACE: &[u8] = b"camera { eye: (0, 1, 0), target: (0, 1, -1) }\nscene { sphere(1) }";
+
+#[test]
+fn what_cannot_be_proved_is_told_in_all_formats() {
+    let folder = Folder::new(&[
+        ("on.sdf", ON_SURFACE),
+        // One ray in many touches the ball.
+        ("good.sdf", b"camera { eye: (0, 0, 5) } scene { sphere(1) }"),
+        ("short.sdf", b"render { steps: 3 } scene { torus(1, 0.2) }"),
+    ]);
+    let check = |file: &str, format: &str| {
+        folder.run(&format!("check --certify --size 16x9 {file} --message-format {format}"))
+    };
+    let human = check("on.sdf", "human");
+    assert_eq!(human.code, Some(0), "{}", human.err);
+    for words in ["[W006] warning", "144 of 144 pixels", "(100.00 %)", "(0, 0) (1, 0)", "Help: move the eye"]
+    {
+        assert!(human.err.contains(words), "{words}: {}", human.err);
+    }
+    assert!(human.err.contains("1 scene checked: 1 warning\n"), "{}", human.err);
+    let short = check("on.sdf", "short").err;
+    assert!(short.starts_with("on.sdf:2:1: warning[W006]: what 144 of 144 pixels show"), "{short}");
+    let json: serde_json::Value = serde_json::from_str(&check("on.sdf", "json").err).unwrap();
+    assert_eq!((&json["severity"], &json["code"]), (&"warning".into(), &"W006".into()));
+    let denied = folder.run("check --certify --size 16x9 on.sdf --deny warnings");
+    assert!(denied.code == Some(1) && denied.err.contains("there are warnings"), "{}", denied.err);
+
+    assert_eq!(check("good.sdf", "human").err, "1 scene checked: nothing is wrong\n");
+    let lost = check("short.sdf", "short");
+    assert!(lost.code == Some(0) && lost.err.contains("short.sdf:1:17: warning[W005]: "), "{}", lost.err);
 }
 
 #[test]

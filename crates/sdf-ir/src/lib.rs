@@ -32,7 +32,7 @@ pub mod verify;
 pub use adjoint::adjoints;
 pub use build::Builder;
 pub use constant::Constant;
-pub use copy::rebuild;
+pub use copy::{rebuild, written_out};
 pub use degree::is_affine;
 pub use gradient::{Gradients, gradient};
 pub use parity::is_even;

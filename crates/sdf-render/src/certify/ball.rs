@@ -57,7 +57,10 @@ impl Prover<'_> {
             None => None,
             Some(side) => {
                 let gradient = self.gradient.as_mut();
-                Ball { field, gradient, center, radius, side, value, uphill }.contains_zero(budget)
+                let mut ball = Ball { field, gradient, center, radius, side, value, uphill };
+                let answer = ball.contains_zero(budget);
+                ball.field.stay_within(&None);
+                answer
             }
         }
     }
@@ -134,15 +137,19 @@ struct Cell {
 impl Ball<'_, '_> {
     fn contains_zero(&mut self, budget: u64) -> Option<bool> {
         let until = self.field.evaluations + budget;
-        let mut cells = vec![Cell { middle: self.center, half: [self.radius; 3] }];
+        let mut cells = vec![(Cell { middle: self.center, half: [self.radius; 3] }, None)];
         let mut is_first = true;
-        while let Some(cell) = cells.pop() {
+        while let Some((cell, mut within)) = cells.pop() {
             if self.is_outside(&cell) {
                 continue;
             }
             let region = cell.region();
-            if !is_first && sign(self.field.over(region)).is_some() {
-                continue;
+            self.field.stay_within(&within);
+            if !is_first {
+                if sign(self.field.over(region)).is_some() {
+                    continue;
+                }
+                within = self.field.shorten().or(within);
             }
             let (values, slopes) = self.field.moving_over(region);
             if sign(values).is_some() {
@@ -170,7 +177,7 @@ impl Ball<'_, '_> {
             if self.field.evaluations >= until || !cell.is_divisible() {
                 return None;
             }
-            cells.extend(cell.halves(cell.axis(slopes.gradient(0))));
+            cells.extend(cell.halves(cell.axis(slopes.gradient(0))).map(|half| (half, within.clone())));
         }
         Some(false)
     }

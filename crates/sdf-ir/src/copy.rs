@@ -73,10 +73,23 @@ pub fn written_out(program: &Program, function: &Function) -> Function {
     builder.finish(results.into_iter().zip(function.result_names.iter().cloned()).collect())
 }
 
-/// Calls become what they call.
+/// Calls become what they call, and operations stay as they are: what a rule made of two functions together could be less
+/// to the point, over regions, than each by itself.
 struct WrittenOut<'p>(&'p Program);
 
 impl Links for WrittenOut<'_> {
+    fn operation(&self, builder: &mut Builder, node: Node, operands: &[Value]) -> Value {
+        builder.plain(match (node, operands) {
+            (Node::Unary(op, _), &[a]) => Node::Unary(op, a),
+            (Node::Binary(op, ..), &[a, b]) => Node::Binary(op, a, b),
+            (Node::Ternary(op, ..), &[a, b, c]) => Node::Ternary(op, a, b, c),
+            (Node::Compose2(..), &[x, y]) => Node::Compose2(x, y),
+            (Node::Compose3(..), &[x, y, z]) => Node::Compose3(x, y, z),
+            (Node::Component(_, index), &[a]) => Node::Component(a, index),
+            _ => unreachable!("{node:?} is no operation on {} values", operands.len()),
+        })
+    }
+
     fn call(&self, builder: &mut Builder, callee: FunctionId, _: &[Type], arguments: &[Value]) -> Vec<Value> {
         inline_whole(builder, self.0.function(callee), arguments, self)
     }

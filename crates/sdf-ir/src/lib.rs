@@ -17,6 +17,7 @@ pub mod eval;
 pub mod gradient;
 pub mod hash;
 pub mod interval;
+mod knowledge;
 pub mod number;
 mod parity;
 pub mod program;

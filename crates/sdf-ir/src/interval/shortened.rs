@@ -188,3 +188,97 @@ fn signs(function: &Function, readers: &[u32]) -> Vec<bool> {
     }
     is_sign
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::Builder;
+    use crate::interval::{Bounds, Sloped, Walker};
+    use crate::program::{Parameter, Program};
+    use std::rc::Rc;
+
+    fn ball(b: &mut Builder, p: Value, x: f64, r: f64) -> Value {
+        let (center, r) = (b.constant(crate::Constant::Vec3([x, 0.0, 0.0])), b.float(r));
+        let offset = b.sub(p, center);
+        let length = b.unary(Unary::Length, offset);
+        b.sub(length, r)
+    }
+
+    /// Two balls that are blended, the part of a third that is above y = 0, and the left one of two more.
+    fn scene() -> Function {
+        let parameters = vec![Parameter { name: "p".into(), ty: Type::Vec3, point: true }];
+        let mut b = Builder::new("scene", parameters);
+        let p = b.argument(RegionId::ROOT, 0);
+        let (first, second) = (ball(&mut b, p, -4.0, 1.0), ball(&mut b, p, -2.0, 0.8));
+        let (width, zero, quarter) = (b.float(0.5), b.float(0.0), b.float(0.5));
+        let apart = b.sub(first, second);
+        let apart = b.unary(Unary::Abs, apart);
+        let near = b.sub(width, apart);
+        let near = b.max(near, zero);
+        let bulge = b.mul(near, near);
+        let bulge = b.mul(bulge, quarter);
+        let least = b.min(first, second);
+        let blended = b.sub(least, bulge);
+        let y = b.component(p, 1);
+        let below = b.unary(Unary::Negate, y);
+        let third = ball(&mut b, p, 1.0, 1.0);
+        let above = b.max(third, below);
+        let x = b.component(p, 0);
+        let border = b.float(5.0);
+        let is_left = b.binary(Binary::Less, x, border);
+        let (left, right) = (ball(&mut b, p, 4.0, 0.7), ball(&mut b, p, 6.0, 0.7));
+        let chosen = b.select(is_left, left, right);
+        let rest = b.min(above, chosen);
+        let all = b.min(blended, rest);
+        b.finish(vec![(all, "distance".into())])
+    }
+
+    /// Numbers from -1 to 1, one after the other (Donald Knuth, MMIX).
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 1u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    #[test]
+    fn what_is_left_has_the_sign_of_the_whole_in_the_region() {
+        let (program, function) = (Program::default(), scene());
+        let whole_length = Plan::new(&function).body(RegionId::ROOT).len();
+        let mut walker = Walker::<Bounds>::new(&program, &function, &[], &[]);
+        let mut slopes = Walker::<Sloped>::new(&program, &function, &[], &[]);
+        let mut number = numbers();
+        let (mut shortened_count, mut shortest) = (0, whole_length);
+        for i in 0..400 {
+            let middle = [number() * 7.0, number() * 1.5, number() * 1.5];
+            let half = number().abs() * if i % 2 == 0 { 0.3 } else { 2.0 };
+            let part = |share: f64, at: [f64; 3]| {
+                let lo = std::array::from_fn(|i| middle[i] + half * (at[i] - share).max(-1.0));
+                let hi = std::array::from_fn(|i| middle[i] + half * (at[i] + share).min(1.0));
+                Bounds::between(lo, hi)
+            };
+            walker.run(&[part(1.0, [0.0; 3])]);
+            let Some(shortened) = walker.shorten() else { continue };
+            let shortened = Rc::new(shortened);
+            shortened_count += 1;
+            shortest = shortest.min(shortened.len());
+            for _ in 0..20 {
+                let at = [number(), number(), number()];
+                let (point, piece) = (part(0.0, at), part(0.2, at));
+                let whole = walker.run(&[point])[0].number();
+                let steep = slopes.run(&[Sloped::point(piece)])[0].slopes.norm();
+                walker.stay_within(Some(shortened.clone()));
+                slopes.stay_within(Some(shortened.clone()));
+                let short = walker.run(&[point])[0].number();
+                let of_piece = walker.run(&[piece])[0].number();
+                assert!((whole.lo > 0.0) == (short.lo > 0.0) && (whole.hi < 0.0) == (short.hi < 0.0));
+                assert!(of_piece.lo <= short.lo && short.hi <= of_piece.hi);
+                assert!(slopes.run(&[Sloped::point(piece)])[0].slopes.norm() <= steep.max(1.0) + 1e-12);
+                walker.stay_within(None);
+                slopes.stay_within(None);
+            }
+        }
+        assert!(shortened_count > 200 && 2 * shortest < whole_length, "{shortened_count} {shortest}");
+    }
+}

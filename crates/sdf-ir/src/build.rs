@@ -224,13 +224,7 @@ impl Builder {
         if let Some(v) = rules::unary(self, op, a) {
             return v;
         }
-        let ty = match op {
-            Unary::Not => Type::Bool,
-            Unary::Length | Unary::Hash => Type::Float,
-            Unary::ReduceAngle => Type::Vec2,
-            _ => self.ty(a),
-        };
-        self.push(Node::Unary(op, a), Some(ty))
+        self.plain(Node::Unary(op, a))
     }
 
     /// An operation on two values.
@@ -238,12 +232,7 @@ impl Builder {
         if let Some(v) = rules::binary(self, op, a, b) {
             return v;
         }
-        let ty = match op {
-            Binary::Dot => Type::Float,
-            Binary::Less | Binary::LessEqual | Binary::Equal | Binary::And | Binary::Or => Type::Bool,
-            _ => self.ty(a).max(self.ty(b)),
-        };
-        self.push(Node::Binary(op, a, b), Some(ty))
+        self.plain(Node::Binary(op, a, b))
     }
 
     /// An operation on three values.
@@ -251,8 +240,30 @@ impl Builder {
         if let Some(v) = rules::ternary(self, op, a, b, c) {
             return v;
         }
-        let ty = self.ty(b);
-        self.push(Node::Ternary(op, a, b, c), Some(ty))
+        self.plain(Node::Ternary(op, a, b, c))
+    }
+
+    /// An operation as it is, whatever a rule would make of it.
+    pub(crate) fn plain(&mut self, operation: Node) -> Value {
+        let ty = match operation {
+            Node::Unary(op, a) => match op {
+                Unary::Not => Type::Bool,
+                Unary::Length | Unary::Hash => Type::Float,
+                Unary::ReduceAngle => Type::Vec2,
+                _ => self.ty(a),
+            },
+            Node::Binary(op, a, b) => match op {
+                Binary::Dot => Type::Float,
+                Binary::Less | Binary::LessEqual | Binary::Equal | Binary::And | Binary::Or => Type::Bool,
+                _ => self.ty(a).max(self.ty(b)),
+            },
+            Node::Ternary(_, _, b, _) => self.ty(b),
+            Node::Compose2(..) => Type::Vec2,
+            Node::Compose3(..) => Type::Vec3,
+            Node::Component(..) => Type::Float,
+            _ => unreachable!("{operation:?} is no operation on values alone"),
+        };
+        self.push(operation, Some(ty))
     }
 
     /// `a + b`
@@ -353,7 +364,7 @@ impl Builder {
     /// Closes the region that was opened last.
     pub fn close_region(&mut self, results: Vec<Value>) -> RegionId {
         assert!(self.scopes.len() > 1, "no region is open");
-        let (id, _) = self.scopes.pop().expect("a scope");
+        let (id, _) = self.scopes.pop().expect("there are two scopes at least, as was asserted");
         self.function.regions[id.0 as usize].results = results;
         id
     }
@@ -381,7 +392,9 @@ impl Builder {
         }
         let types: Vec<Type> = self.function.region(then).results.iter().map(|v| self.ty(*v)).collect();
         let mut parts = self.push_tuple(Node::If(condition, then, otherwise), &types).into_iter();
-        let result = |(value, differs)| if differs { parts.next().expect("a part for each") } else { value };
+        let result = |(value, differs)| {
+            if differs { parts.next().expect("the branch has a result for each that differs") } else { value }
+        };
         left.into_iter().zip(differs).map(result).collect()
     }
 

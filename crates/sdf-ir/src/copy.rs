@@ -6,7 +6,7 @@
 
 use crate::build::Builder;
 use crate::interval::{Angle, Axis};
-use crate::program::{Function, FunctionId, Loop, Node, RegionId, Rotation, Type, Value};
+use crate::program::{Function, FunctionId, Loop, Node, Program, RegionId, Rotation, Type, Value};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -62,6 +62,37 @@ pub fn rebuild(function: &Function) -> Function {
         (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
     let results = inline_whole(&mut builder, function, &arguments, &SameProgram);
     builder.finish(results.into_iter().zip(function.result_names.iter().cloned()).collect())
+}
+
+/// The function with all that it calls, as one function without calls.
+pub fn written_out(program: &Program, function: &Function) -> Function {
+    let mut builder = Builder::new(function.name.clone(), function.parameters.clone());
+    let arguments: Vec<Value> =
+        (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
+    let results = inline_whole(&mut builder, function, &arguments, &WrittenOut(program));
+    builder.finish(results.into_iter().zip(function.result_names.iter().cloned()).collect())
+}
+
+/// Calls become what they call, and operations stay as they are: what a rule made of two functions together could be less
+/// to the point, over regions, than each by itself.
+struct WrittenOut<'p>(&'p Program);
+
+impl Links for WrittenOut<'_> {
+    fn operation(&self, builder: &mut Builder, node: Node, operands: &[Value]) -> Value {
+        builder.plain(match (node, operands) {
+            (Node::Unary(op, _), &[a]) => Node::Unary(op, a),
+            (Node::Binary(op, ..), &[a, b]) => Node::Binary(op, a, b),
+            (Node::Ternary(op, ..), &[a, b, c]) => Node::Ternary(op, a, b, c),
+            (Node::Compose2(..), &[x, y]) => Node::Compose2(x, y),
+            (Node::Compose3(..), &[x, y, z]) => Node::Compose3(x, y, z),
+            (Node::Component(_, index), &[a]) => Node::Component(a, index),
+            _ => unreachable!("{node:?} is no operation on {} values", operands.len()),
+        })
+    }
+
+    fn call(&self, builder: &mut Builder, callee: FunctionId, _: &[Type], arguments: &[Value]) -> Vec<Value> {
+        inline_whole(builder, self.0.function(callee), arguments, self)
+    }
 }
 
 /// [`Builder::inline`], between programs.

@@ -1,6 +1,7 @@
 //! Whether a function of a point is affine, told from its operations: a constant vector times the point, and a constant.
 
-use crate::program::{Binary, Function, FunctionId, Node, Program, RegionId, Ternary, Unary, Value};
+use crate::knowledge::{Knowledge, Search};
+use crate::program::{Binary, Function, Node, Program, Ternary, Unary, Value};
 
 /// How many operations are looked at, calls expanded.
 const MOST: usize = 2_000;
@@ -21,43 +22,23 @@ use Degree::{Affine, Constant, Other};
 /// Whether the first result of a function of a point is an affine function of it that is not constant: the field of a half
 /// space. If it says no, it may be one nevertheless.
 pub fn is_affine(program: &Program, function: &Function) -> bool {
-    let mut search = Search { program, left: MOST };
+    let mut search = Search::new(program, Degrees, MOST);
     search.function(function, &[Affine]).is_some_and(|results| results[0] == Affine)
 }
 
-struct Search<'p> {
-    program: &'p Program,
-    left: usize,
-}
+struct Degrees;
 
-impl Search<'_> {
-    /// The degrees of a function's results; nothing if there is too much to look at.
-    fn function(&mut self, function: &Function, arguments: &[Degree]) -> Option<Vec<Degree>> {
-        // Of a tuple there is one entry for each of its parts.
-        let mut known: Vec<Vec<Degree>> = Vec::with_capacity(function.node_count());
-        for index in 0..function.node_count() {
-            self.left = self.left.checked_sub(1)?;
-            let degrees = self.node(function, Value(index as u32), arguments, &known)?;
-            known.push(degrees);
-        }
-        Some(function.root().results.iter().map(|v| known[v.0 as usize][0]).collect())
-    }
+impl Knowledge for Degrees {
+    type Known = Degree;
+    const UNKNOWN: Degree = Other;
+    const CONSTANT: Degree = Constant;
 
-    fn node(
-        &mut self,
-        function: &Function,
-        value: Value,
-        arguments: &[Degree],
-        known: &[Vec<Degree>],
-    ) -> Option<Vec<Degree>> {
-        let at = |v: Value| known.get(v.0 as usize).map_or(Other, |parts| parts[0]);
+    fn operation(&self, function: &Function, value: Value, at: &dyn Fn(Value) -> Degree) -> Degree {
         // What depends on values in no way that is known, unless all are constant.
         let any = |values: &[Value]| {
             if values.iter().all(|v| at(*v) == Constant) { Constant } else { Other }
         };
-        let degree = match function.node(value) {
-            Node::Float(_) | Node::Bool(_) | Node::Uniform(_) | Node::Global(_) => Constant,
-            Node::Argument(RegionId::ROOT, i) => arguments[usize::from(i)],
+        match function.node(value) {
             Node::Unary(Unary::Negate, a) | Node::Component(a, _) => at(a),
             Node::Unary(_, a) => any(&[a]),
             Node::Binary(Binary::Add | Binary::Subtract, a, b) => at(a).max(at(b)),
@@ -72,20 +53,8 @@ impl Search<'_> {
             Node::Ternary(_, a, b, c) => any(&[a, b, c]),
             Node::Compose2(x, y) => at(x).max(at(y)),
             Node::Compose3(x, y, z) => at(x).max(at(y)).max(at(z)),
-            Node::Call(id, list) => {
-                let arguments: Vec<Degree> = function.list(list).iter().map(|v| at(*v)).collect();
-                return self.call(id, &arguments);
-            }
-            Node::Result(tuple, i) => known[tuple.0 as usize].get(usize::from(i)).copied().unwrap_or(Other),
-            // What happens in branches and loops is not looked at.
-            Node::Argument(..) | Node::If(..) | Node::Loop(_) => Other,
-        };
-        Some(vec![degree])
-    }
-
-    fn call(&mut self, id: FunctionId, arguments: &[Degree]) -> Option<Vec<Degree>> {
-        let program = self.program;
-        self.function(program.function(id), arguments)
+            _ => Other,
+        }
     }
 }
 
@@ -94,7 +63,7 @@ mod tests {
     use super::*;
     use crate::build::Builder;
     use crate::constant;
-    use crate::program::{Parameter, Type};
+    use crate::program::{Parameter, RegionId, Type};
 
     fn affine(make: impl FnOnce(&mut Builder, Value) -> Value) -> bool {
         let point = Parameter { name: "p".into(), ty: Type::Vec3, point: true };

@@ -19,6 +19,7 @@ mod operations;
 mod plan;
 mod rotation;
 mod seam;
+mod shortened;
 mod slopes;
 mod walk;
 
@@ -27,12 +28,15 @@ pub use domain::Domain;
 pub use growing::Growing;
 pub use number::Interval;
 pub use rotation::{Angle, Axis};
+pub use shortened::Shortened;
 pub use slopes::{Sloped, Slopes};
 
 use crate::number::LARGEST;
 use crate::program::{Function, Program, RegionId, Role, Type, Unary, Uniform};
 use cases::Cases;
 use plan::Plan;
+use shortened::Reads;
+use std::rc::Rc;
 use walk::{Frame, Walk};
 
 /// Evaluates one function over many regions.
@@ -42,6 +46,10 @@ pub struct Walker<'p, D> {
     walk: Walk<D>,
     frame: Frame<D>,
     results: Vec<D>,
+    /// What counts of the function where it is asked for, if less than all.
+    shortened: Option<Rc<Shortened>>,
+    /// Made when it is first asked for.
+    reads: Option<Reads>,
 }
 
 impl<'p, D: Domain> Walker<'p, D> {
@@ -56,7 +64,7 @@ impl<'p, D: Domain> Walker<'p, D> {
         let steady = |values: &[Bounds]| values.iter().map(D::steady).collect();
         let walk = Walk::new(steady(uniforms), steady(globals));
         let frame = walk.frame(function, Plan::new(function));
-        Walker { program, function, walk, frame, results: Vec::new() }
+        Walker { program, function, walk, frame, results: Vec::new(), shortened: None, reads: None }
     }
 
     /// The results for these arguments, one for each parameter.
@@ -68,11 +76,28 @@ impl<'p, D: Domain> Walker<'p, D> {
             self.function.name
         );
         self.walk.begin();
-        self.walk.region(self.program, self.function, &mut self.frame, RegionId::ROOT, arguments);
+        let (program, function, frame) = (self.program, self.function, &mut self.frame);
+        match &self.shortened {
+            None => self.walk.region(program, function, frame, RegionId::ROOT, arguments),
+            Some(shortened) => self.walk.shortened(program, function, frame, shortened, arguments),
+        }
         self.results.clear();
         let results = &self.function.root().results;
         self.results.extend(results.iter().map(|v| self.frame.values[v.0 as usize]));
         &self.results
+    }
+
+    /// Asks from now on for a part of the region that a function was shortened for, by this walker or another one of the
+    /// same function; or anywhere.
+    pub fn stay_within(&mut self, shortened: Option<Rc<Shortened>>) {
+        self.shortened = shortened;
+    }
+
+    /// What counts of the function in the region of the last run, if that is much less than in the region in which the
+    /// walker stays. Then the results have the same signs there as those of the whole function.
+    pub fn shorten(&mut self) -> Option<Shortened> {
+        let reads = self.reads.get_or_insert_with(|| Reads::new(self.function, &self.frame.plan));
+        reads.shorten(self.function, &self.frame, self.shortened.as_deref())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Whether a function of a point is the same on both sides of a plane, told from its operations: each component of each value
 //! is even or odd in the distance from the plane, or neither is known.
 
-use crate::program::{Binary, Function, FunctionId, Node, Program, RegionId, Ternary, Unary, Value};
+use crate::knowledge::{Knowledge, Search};
+use crate::program::{Binary, Function, Node, Program, Ternary, Unary, Value};
 
 /// How many operations are looked at, calls expanded.
 const MOST: usize = 20_000;
@@ -24,52 +25,29 @@ use Parity::{Even, Neither, Odd};
 /// Whether the first result of a function of a point is the same at `middle + d` as at `middle - d` along an axis. If it says
 /// no, it may be so nevertheless.
 pub fn is_even(program: &Program, function: &Function, axis: usize, middle: f64) -> bool {
-    let mut search = Search { program, scale: middle.abs().max(1.0), left: MOST };
+    let mut search = Search::new(program, Parities { scale: middle.abs().max(1.0) }, MOST);
     let mut point = [Even; 3];
     point[axis] = Odd(middle);
     search.function(function, &[point]).is_some_and(|results| results[0][0] == Even)
 }
 
-struct Search<'p> {
-    program: &'p Program,
+struct Parities {
     /// The size of the constants that are added up.
     scale: f64,
-    left: usize,
 }
 
 type Parts = [Parity; 3];
 
-impl Search<'_> {
-    /// The parities of a function's results; nothing if there is too much to look at.
-    fn function(&mut self, function: &Function, arguments: &[Parts]) -> Option<Vec<Parts>> {
-        // Of a tuple there is one entry for each of its parts.
-        let mut known: Vec<Vec<Parts>> = Vec::with_capacity(function.node_count());
-        for index in 0..function.node_count() {
-            self.left = self.left.checked_sub(1)?;
-            let value = Value(index as u32);
-            let parities = self.node(function, value, arguments, &known)?;
-            known.push(parities);
-        }
-        Some(function.root().results.iter().map(|v| known[v.0 as usize][0]).collect())
-    }
+impl Knowledge for Parities {
+    type Known = Parts;
+    const UNKNOWN: Parts = [Neither; 3];
+    const CONSTANT: Parts = [Even; 3];
 
-    fn node(
-        &mut self,
-        function: &Function,
-        value: Value,
-        arguments: &[Parts],
-        known: &[Vec<Parts>],
-    ) -> Option<Vec<Parts>> {
-        let at = |v: Value| known.get(v.0 as usize).map_or([Neither; 3], |parts| parts[0]);
+    fn operation(&self, function: &Function, value: Value, at: &dyn Fn(Value) -> Parts) -> Parts {
         let size = |v: Value| function.type_of(v).map_or(1, |ty| ty.size());
-        let one = |parts: Parts| Some(vec![parts]);
         match function.node(value) {
-            Node::Float(_) | Node::Bool(_) | Node::Uniform(_) | Node::Global(_) => one([Even; 3]),
-            Node::Argument(RegionId::ROOT, i) => one(arguments[usize::from(i)]),
-            Node::Unary(op, a) => one(self.unary(op, &at(a)[..size(a)])),
-            Node::Binary(op @ (Binary::Dot | Binary::Cross), a, b) => {
-                one(self.product(op, at(a), at(b), size(a)))
-            }
+            Node::Unary(op, a) => self.unary(op, &at(a)[..size(a)]),
+            Node::Binary(op @ (Binary::Dot | Binary::Cross), a, b) => self.product(op, at(a), at(b), size(a)),
             Node::Binary(op, a, b) => {
                 // A float goes with each component of a vector.
                 let (n, m) = (size(a), size(b));
@@ -81,7 +59,7 @@ impl Search<'_> {
                     let (x, y) = (part(a, n, i), part(b, m, i));
                     *out = self.binary(op, x, y, constant(a, n, i), constant(b, m, i));
                 }
-                one(out)
+                out
             }
             Node::Ternary(op, a, b, c) => {
                 let decides = if op == Ternary::Select { at(a) } else { at(c) };
@@ -92,28 +70,17 @@ impl Search<'_> {
                     Even => self.alike(x[i], y[i]),
                     _ => Neither,
                 };
-                one(std::array::from_fn(|i| if i < size(value) { part(i) } else { Even }))
+                std::array::from_fn(|i| if i < size(value) { part(i) } else { Even })
             }
-            Node::Compose2(x, y) => one([at(x)[0], at(y)[0], Even]),
-            Node::Compose3(x, y, z) => one([at(x)[0], at(y)[0], at(z)[0]]),
-            Node::Component(a, i) => one([at(a)[usize::from(i)], Even, Even]),
-            Node::Call(id, list) => {
-                let arguments: Vec<Parts> = function.list(list).iter().map(|v| at(*v)).collect();
-                self.call(id, &arguments)
-            }
-            Node::Result(tuple, i) => {
-                one(known[tuple.0 as usize].get(usize::from(i)).copied().unwrap_or([Neither; 3]))
-            }
-            // What happens in branches and loops is not looked at.
-            Node::Argument(..) | Node::If(..) | Node::Loop(_) => one([Neither; 3]),
+            Node::Compose2(x, y) => [at(x)[0], at(y)[0], Even],
+            Node::Compose3(x, y, z) => [at(x)[0], at(y)[0], at(z)[0]],
+            Node::Component(a, i) => [at(a)[usize::from(i)], Even, Even],
+            _ => [Neither; 3],
         }
     }
+}
 
-    fn call(&mut self, id: FunctionId, arguments: &[Parts]) -> Option<Vec<Parts>> {
-        let program = self.program;
-        self.function(program.function(id), arguments)
-    }
-
+impl Parities {
     /// Whether what was added up is nothing but rounding.
     fn is_zero(&self, shift: f64) -> bool {
         shift.abs() <= ROUNDING * self.scale
@@ -217,7 +184,7 @@ mod tests {
     use super::*;
     use crate::build::Builder;
     use crate::constant::Constant;
-    use crate::program::{Parameter, Type};
+    use crate::program::{Parameter, RegionId, Type};
 
     fn field(make: impl FnOnce(&mut Builder, Value) -> Value) -> Function {
         let point = Parameter { name: "p".into(), ty: Type::Vec3, point: true };

@@ -167,7 +167,8 @@ impl Contexts {
     pub fn parameter(&mut self, name: &Arc<str>, argument: &Number, point: bool) -> Number {
         let depth = self.depth();
         let outside = self.import(argument, depth - 1);
-        let context = self.stack.last_mut().expect("a function is open");
+        let context =
+            self.stack.last_mut().expect("each function that is closed or added to was opened before");
         let value = context.builder.add_parameter(Parameter { name: name.clone(), ty: argument.ty, point });
         context.arguments.push(outside);
         self.local(depth, value, argument.ty)
@@ -175,7 +176,8 @@ impl Contexts {
 
     /// A parameter of the innermost function that no caller fills in: it is an entry.
     pub fn entry_parameter(&mut self, name: &str, ty: Type) -> Number {
-        let context = self.stack.last_mut().expect("a function is open");
+        let context =
+            self.stack.last_mut().expect("each function that is closed or added to was opened before");
         let value = context.builder.add_parameter(Parameter { name: Arc::from(name), ty, point: false });
         let depth = self.depth();
         self.local(depth, value, ty)
@@ -206,7 +208,7 @@ impl Contexts {
 
     /// Closes the innermost function; returns it and what its caller must pass.
     pub fn finish(&mut self, results: Vec<(sdf_ir::Value, Arc<str>)>) -> (FunctionId, Vec<sdf_ir::Value>) {
-        let context = self.stack.pop().expect("a function is open");
+        let context = self.stack.pop().expect("each function that is closed or added to was opened before");
         self.nodes += context.builder.function().node_count();
         let function = context.builder.finish(results);
         let id = match self.finished.get(&function) {
@@ -222,14 +224,14 @@ impl Contexts {
 
     /// Closes the innermost function without adding it to the program.
     pub fn finish_apart(&mut self, results: Vec<sdf_ir::Value>) -> (Function, Vec<sdf_ir::Value>) {
-        let context = self.stack.pop().expect("a function is open");
+        let context = self.stack.pop().expect("each function that is closed or added to was opened before");
         let results = results.into_iter().map(|v| (v, Arc::from(""))).collect();
         (context.builder.finish(results), context.arguments)
     }
 
     /// Forgets the innermost function.
     pub fn discard(&mut self) {
-        let context = self.stack.pop().expect("a function is open");
+        let context = self.stack.pop().expect("each function that is closed or added to was opened before");
         self.nodes += context.builder.function().node_count();
     }
 
@@ -242,7 +244,8 @@ impl Contexts {
 
     /// A parameter of the innermost function for which its caller passes `outside`; never shared.
     pub fn stand_in(&mut self, outside: sdf_ir::Value) -> sdf_ir::Value {
-        let context = self.stack.last_mut().expect("a function is open");
+        let context =
+            self.stack.last_mut().expect("each function that is closed or added to was opened before");
         context.arguments.push(outside);
         context.builder.add_parameter(Parameter { name: Arc::from("d"), ty: Type::Float, point: false })
     }
@@ -254,7 +257,7 @@ impl Contexts {
 
     /// Puts the innermost function aside, so that what follows lands in the one round it.
     pub fn set_aside(&mut self) -> Aside {
-        Aside(self.stack.pop().expect("a function is open"))
+        Aside(self.stack.pop().expect("each function that is closed or added to was opened before"))
     }
 
     /// Makes a function that was put aside the innermost again.
@@ -431,7 +434,8 @@ impl Contexts {
     pub fn apply(&mut self, op: Op, operands: &[Number]) -> Number {
         let depth = operands.iter().map(|n| home(&n.repr)).max().flatten();
         let Some(depth) = depth else {
-            let constants: Vec<Constant> = operands.iter().map(|n| n.known().expect("static")).collect();
+            let constants: Vec<Constant> =
+                operands.iter().map(|n| n.known().expect("a number without a home is static")).collect();
             return Number::constant(fold(op, &constants));
         };
         let outer = |n: &Number| matches!(&n.repr, Repr::Outer(d, _) if *d == depth);

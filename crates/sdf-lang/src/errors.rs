@@ -418,6 +418,14 @@ pub(crate) fn very_steep(span: Span, slope: f64) -> Diagnostic {
         .help("state its slope if you know that it is less, for example `@lipschitz(2)`, or raise `steps`")
 }
 
+/// A scene that no ray reaches. The place is where rays end, or the scene.
+pub(crate) fn beyond_far(span: Span, distance: f64, far: f64) -> Diagnostic {
+    let message = format!("the whole scene is farther from the eye than {}, where rays end", short(far));
+    Diagnostic::new(Code::W007, span, message)
+        .label(format!("nothing is nearer than {}", short(distance)))
+        .help("let rays go farther with `render { far: … }`, or move the camera's `eye` nearer")
+}
+
 /// Neither a box nor a slope: a ray could not know how far it may step.
 pub(crate) fn no_slope(span: Span, is_bounded: bool) -> Diagnostic {
     let why = match is_bounded {

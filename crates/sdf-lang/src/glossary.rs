@@ -4,6 +4,7 @@
 use crate::builtin;
 use crate::call::{Slot, SlotKind};
 use crate::reference::{Entry, Form};
+use crate::settings::default_of;
 use crate::vocabulary::vocabulary;
 use sdf_syntax::tree::TypeKind;
 
@@ -221,7 +222,11 @@ pub fn glossary() -> Vec<Group> {
     let fields = vocabulary().blocks;
     let block = |row: &(&str, &str)| {
         let fields = fields.iter().find(|(block, _)| *block == row.0).map_or(&[][..], |(_, fields)| fields);
-        word(row, format!("{} {{ {} }}", row.0, fields.join(", ")))
+        let field = |name: &&str| match default_of(row.0, name) {
+            Some(default) => format!("{name}: {default}"),
+            None => name.to_string(),
+        };
+        word(row, format!("{} {{ {} }}", row.0, fields.iter().map(field).collect::<Vec<_>>().join(", ")))
     };
     let blocks = BLOCKS.iter().map(block).collect();
     let reserved =
@@ -297,5 +302,10 @@ mod tests {
         assert_eq!(signatures("lo"), ["lo(s: shape, level?)", "lo(s: shape2, level?)"]);
         assert_eq!(signatures("exact"), ["@exact"]);
         assert!(signatures("sky")[0].starts_with("sky { "));
+        // With what settings are where a file does not say.
+        let render = &signatures("render")[0];
+        for setting in ["tolerance: 0.1,", "steps: 256,", "far: 100,", "relax: auto,", "tonemap: none,"] {
+            assert!(render.contains(setting), "{render}");
+        }
     }
 }

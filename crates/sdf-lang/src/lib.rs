@@ -31,6 +31,7 @@ mod operators;
 mod origin;
 mod outline;
 mod ranges;
+mod reachable;
 mod reference;
 mod scene;
 mod settings;

@@ -22,12 +22,7 @@ impl<'t> Elaborator<'t> {
     /// The place that coordinates are relative to, if it is not the origin: where the eye is at time 0 with the params'
     /// defaults, if it is far from the origin beside what it looks at.
     pub fn find_origin(&self, settings: &[(Arc<str>, Value<'t>)]) -> Option<DVec3> {
-        let camera = settings.iter().find(|(name, _)| &**name == "camera");
-        let Some((_, Value::Record(camera))) = camera else { unreachable!("a scene has a camera") };
-        let place = |name: &str| match camera.get(name) {
-            Some(Value::Number(number)) => self.at_defaults(number),
-            _ => unreachable!("a camera has an eye and a target"),
-        };
+        let place = |name: &str| self.setting_at_defaults(settings, "camera", name).map(DVec3::from_array);
         let (eye, target) = (place("eye")?, place("target")?);
         (eye.length() > FAR * eye.distance(target)).then_some(eye)
     }
@@ -95,8 +90,17 @@ impl<'t> Elaborator<'t> {
         Ok(Value::record(fields.collect::<Eval<_>>()?))
     }
 
-    /// The value of a vector at time 0 with the params' defaults; nothing if that is not finite.
-    fn at_defaults(&self, number: &Number) -> Option<DVec3> {
+    /// The components of a setting at time 0 with the params' defaults, 0 for those that it does not have; nothing if one is
+    /// not finite.
+    pub fn setting_at_defaults(
+        &self,
+        settings: &[(Arc<str>, Value<'t>)],
+        block: &str,
+        name: &str,
+    ) -> Option<[f64; 3]> {
+        let block = settings.iter().find(|(other, _)| &**other == block);
+        let Some((_, Value::Record(block))) = block else { unreachable!("a scene has all blocks") };
+        let Some(Value::Number(number)) = block.get(name) else { unreachable!("a setting is a number") };
         let bounds = match &number.repr {
             Repr::Static(c) => Bounds::constant(*c),
             Repr::Frame(value) => {
@@ -107,11 +111,10 @@ impl<'t> Elaborator<'t> {
             }
             Repr::Outer(..) | Repr::Local(..) => return None,
         };
-        let middle = |i: usize| {
-            let part = bounds.part(i);
-            part.lo + (part.hi - part.lo) / 2.0
-        };
-        let place = DVec3::new(middle(0), middle(1), middle(2));
-        place.is_finite().then_some(place)
+        let mut middles = [0.0; 3];
+        for (middle, part) in middles.iter_mut().zip(bounds.parts()) {
+            *middle = part.lo + (part.hi - part.lo) / 2.0;
+        }
+        middles.iter().all(|x| x.is_finite()).then_some(middles)
     }
 }

@@ -69,8 +69,12 @@ pub(crate) fn elaborate(
 /// What is said of a scene of which no part alone is too large. Only its first word is marked.
 fn too_many_operations(names: &Names) -> Diagnostic {
     let place = names.user.scenes.first().map_or(Span::default(), |(_, span)| *span);
-    let word = Span { end: place.end.min(place.start + 5), ..place };
-    errors::too_large(word, "operations at each point", OPERATION_LIMIT as usize)
+    errors::too_large(first_word(place), "operations at each point", OPERATION_LIMIT as usize)
+}
+
+/// The word `scene` of a scene block at a place: the block may fill the screen.
+fn first_word(scene: Span) -> Span {
+    Span { end: scene.end.min(scene.start + "scene".len() as u32), ..scene }
 }
 
 /// At how many points a promise is tried whenever a file is compiled.
@@ -113,6 +117,7 @@ impl<'t> Elaborator<'t> {
             points => self.attack(&union, points)?,
         }
         let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
+        self.warn_beyond_far(&shapes, &settings, first_word(place))?;
         let count = shapes.len();
         let origin = self.find_origin(&settings);
         let query = match origin {

@@ -36,6 +36,32 @@ pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
     ("render", RENDER),
 ];
 
+/// What the numbers of `render` are where a file does not say.
+const RENDER_NUMBERS: [(&str, f64); 5] =
+    [("tolerance", 0.1), ("steps", 256.0), ("far", 100.0), ("bounces", 2.0), ("antialias", 1.0)];
+
+/// The words that settings of `render` may be; the first is what they are where a file does not say.
+const RENDER_WORDS: [(&str, &[&str]); 3] = [
+    ("normals", &["exact", "tetrahedron", "central"]),
+    ("relax", &["auto", "none"]),
+    ("tonemap", &["none", "aces"]),
+];
+
+/// What a setting of a block is where a file does not say, as it is written, if that is a number or a word of `render`.
+pub(crate) fn default_of(block: &str, name: &str) -> Option<String> {
+    if block != "render" {
+        return None;
+    }
+    let number = RENDER_NUMBERS.iter().find(|(other, _)| *other == name).map(|(_, x)| x.to_string());
+    number.or_else(|| RENDER_WORDS.iter().find(|(other, _)| *other == name).map(|(_, words)| words[0].into()))
+}
+
+/// A row of a table, by its name.
+fn row<T: Copy>(table: &[(&str, T)], name: &str) -> T {
+    let row = table.iter().find(|(other, _)| *other == name);
+    row.unwrap_or_else(|| unreachable!("`{name}` has a default")).1
+}
+
 /// The values that settings may have.
 const FIELD_OF_VIEW: Range = Range {
     accepts: |x| x > 0.0 && x < std::f64::consts::PI,
@@ -80,6 +106,12 @@ impl<'t> Elaborator<'t> {
             Some((record, _)) => self.fields(record, name, all),
             None => Block { fields: HashMap::new(), has_unknown: false },
         }
+    }
+
+    /// Where the value of a setting is written, if it is.
+    pub fn span_of_setting(&self, kind: SettingsKind, name: &str) -> Option<Span> {
+        let (_, record, _) = self.names.user.settings.iter().find(|(k, ..)| *k == kind)?;
+        record.fields.iter().find(|field| &*field.name.text == name).map(|field| field.value.span)
     }
 
     fn fields(&mut self, record: &'t Record, name: &str, all: &'static [&'static str]) -> Block<'t> {
@@ -480,16 +512,18 @@ impl<'t> Elaborator<'t> {
     fn render_settings(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Render, "render", RENDER);
         // All are looked at before the first mistake ends it, so that all mistakes are reported.
-        let tolerance = self.static_setting(&block, "tolerance", 0.1, TOLERANCE);
-        let steps = self.static_setting(&block, "steps", 256.0, STEPS);
+        let number = |name| row(&RENDER_NUMBERS, name);
+        let word = |name| row(&RENDER_WORDS, name);
+        let tolerance = self.static_setting(&block, "tolerance", number("tolerance"), TOLERANCE);
+        let steps = self.static_setting(&block, "steps", number("steps"), STEPS);
         // A camera that frames a large scene stands far away from it.
-        let default_far = self.framed.map_or(100.0, |reach| reach.max(100.0));
+        let default_far = self.framed.map_or(number("far"), |reach| reach.max(number("far")));
         let far = self.static_setting(&block, "far", default_far, FAR);
-        let normals = self.word_setting(&block, "normals", &["exact", "tetrahedron", "central"]);
-        let relax = self.word_setting(&block, "relax", &["auto", "none"]);
-        let tonemap = self.word_setting(&block, "tonemap", &["none", "aces"]);
-        let antialias = self.static_setting(&block, "antialias", 1.0, ANTIALIAS);
-        let bounces = self.static_setting(&block, "bounces", 2.0, BOUNCES);
+        let normals = self.word_setting(&block, "normals", word("normals"));
+        let relax = self.word_setting(&block, "relax", word("relax"));
+        let tonemap = self.word_setting(&block, "tonemap", word("tonemap"));
+        let antialias = self.static_setting(&block, "antialias", number("antialias"), ANTIALIAS);
+        let bounces = self.static_setting(&block, "bounces", number("bounces"), BOUNCES);
         let quality = self.word_setting(&block, "quality", &["draft", "balanced", "fine", "exact"]);
         let (tolerance, steps, far, normals) = (tolerance?, steps?, far?, normals?);
         let (relax, tonemap, antialias) = (relax?, tonemap?, antialias?);

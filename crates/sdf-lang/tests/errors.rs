@@ -104,8 +104,8 @@ fn every_code_has_a_fixture() {
     }
     // The codes of the text have theirs where the text is read.
     let of_the_text = |code: Code| code.as_str() < "E020" || code == Code::E023;
-    // Values of params, shaders and costs need a command, whose own tests have them.
-    let of_the_command = [Code::E065, Code::E070, Code::W001, Code::W005];
+    // Values of params, shaders, costs, drawings and certificates need a command, whose own tests have them.
+    let of_the_command = [Code::E065, Code::E070, Code::W001, Code::W005, Code::W006];
     let ours = Code::ALL.iter().filter(|code| !of_the_text(**code) && !of_the_command.contains(code));
     let missing: Vec<_> = ours.filter(|code| !seen.contains(code)).collect();
     assert!(missing.is_empty(), "without a fixture: {missing:?}");

@@ -85,6 +85,8 @@ codes! {
     W003 "an angle that looks like degrees"
     W004 "a field so steep that rays take very small steps"
     W005 "rays that ran out of steps"
+    W006 "pixels of which it cannot be proved what they show"
+    W007 "a scene farther away than rays go"
 }
 
 impl Code {

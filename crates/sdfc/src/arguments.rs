@@ -108,8 +108,8 @@ pub struct RenderArguments {
     /// The size of the picture in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x360", value_parser = size)]
     pub size: (u32, u32),
-    /// The time in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    /// The time in seconds, at least 0
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds, allow_negative_numbers = true)]
     pub time: f64,
     /// What draws: `auto`, `gpu`, `cpu`, or a part of a graphics device's name
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
@@ -158,8 +158,8 @@ pub struct QueryArguments {
     /// Points as X,Y,Z; `-` reads them from standard input, one a line, where a `#` begins a comment
     #[arg(required = true, value_name = "POINT")]
     pub points: Vec<String>,
-    /// The time in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds)]
+    /// The time in seconds, at least 0
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds, allow_negative_numbers = true)]
     pub time: f64,
     /// Print an object of JSON a line, with all properties and all digits
     #[arg(long)]

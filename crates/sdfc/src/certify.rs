@@ -6,15 +6,33 @@ use crate::output::print;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
 use sdf_render::certify::{Certifier, Functions, Picture, Places, Report, interpreted};
-use sdfc::Scene;
+use sdf_syntax::{Code, Diagnostic};
+use sdfc::{Compiled, Measured, Scene, scene_word};
 use serde::Serialize;
 
 /// At how many points of each pixel's ray the march's step is tried.
 const STEPS: usize = 1;
 
-/// Judges the pictures of a scene at all its moments, and prints a row for each. The scene was compiled with a probe and
-/// a certificate; it is wrong if something that was found certainly is wrong.
-pub fn run(name: &str, scene: &Scene, size: (u32, u32), terminal: &Terminal) -> Result<(), Failure> {
+/// The share of a picture's pixels of which nothing may be proved without a word about it.
+const AMBIGUOUS: f64 = 0.005;
+
+/// What came of a scene.
+pub struct Judgement {
+    /// Whether nothing that was found certainly is wrong.
+    pub is_right: bool,
+    /// What is to be said of it besides.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Judges the pictures of a scene at all its moments, prints a row for each, and says what is wrong. The scene was
+/// compiled with a probe and a certificate.
+pub fn run(
+    name: &str,
+    compiled: &Compiled,
+    scene: &Scene,
+    size: (u32, u32),
+    terminal: &Terminal,
+) -> Result<Judgement, Failure> {
     let moments = moments(&scene.program, size);
     let progress = Progress::new("certifying");
     let mut rows = Vec::new();
@@ -29,16 +47,47 @@ pub fn run(name: &str, scene: &Scene, size: (u32, u32), terminal: &Terminal) -> 
         table(name, &rows)
     };
     print(text.as_bytes())?;
-    let mut done = Ok(());
     for (moment, report) in rows.iter().filter(|(_, report)| !report.is_right()) {
         terminal.wrong(
             &failures(name, moment, report),
             "this is a mistake in sdfc, not in the scene, unless a promise of \
             the scene is false; please report it with the scene",
         );
-        done = Err(Failure::Scene);
     }
-    done
+    Ok(Judgement {
+        is_right: rows.iter().all(|(_, report)| report.is_right()),
+        warnings: warnings(compiled, &rows),
+    })
+}
+
+/// What is doubtful, each of the moment at which it is most.
+fn warnings(compiled: &Compiled, rows: &[(&Moment, Report)]) -> Vec<Diagnostic> {
+    let worst = |kind: fn(&Report) -> &Places| rows.iter().max_by_key(|(_, report)| kind(report).count);
+    let ambiguous = worst(|report| &report.ambiguous)
+        .filter(|(_, report)| report.ambiguous.count as f64 > AMBIGUOUS * report.pixels as f64)
+        .map(|(moment, report)| ambiguous(compiled, moment, report));
+    let lost = worst(|report| &report.out_of_steps).and_then(|(_, report)| {
+        let measured = Measured { rays: report.pixels, lost: report.out_of_steps.count, range: None };
+        measured.warning(&compiled.tree)
+    });
+    ambiguous.into_iter().chain(lost).collect()
+}
+
+fn ambiguous(compiled: &Compiled, moment: &Moment, report: &Report) -> Diagnostic {
+    let Places { count, first } = &report.ambiguous;
+    let share = 100.0 * *count as f64 / report.pixels as f64;
+    let message = format!(
+        "what {count} of {} pixels show cannot be proved ({share:.2} %){}: the field comes to zero there, or nearly so, \
+        without changing its sign",
+        report.pixels,
+        with(moment)
+    );
+    Diagnostic::new(Code::W006, scene_word(&compiled.tree), message)
+        .label(format!("ambiguous at {}", listed(*count, first)))
+        .help(
+            "move the eye, if it stands on a surface or looks along one; give a thickness to what has none; what \
+            the march finds at other pixels is proved",
+        )
 }
 
 fn judge(scene: &Scene, moment: &Moment, progress: impl Fn(f64) + Sync) -> Report {
@@ -105,12 +154,20 @@ fn failures(name: &str, moment: &Moment, report: &Report) -> String {
             (_, "pixel that is not finite") => "pixels that are not finite".to_string(),
             _ => format!("{kind}s"),
         };
-        let first: Vec<String> = places.first.iter().map(|(x, y)| format!("({x}, {y})")).collect();
-        let more = if places.count > first.len() { ", …" } else { "" };
-        format!("{} {plural} at {}{more}", places.count, first.join(" "))
+        format!("{} {plural} at {}", places.count, listed(places.count, &places.first))
     });
-    let at = if moment.name.is_empty() { String::new() } else { format!(" with {}", moment.name) };
-    format!("{name}{at}: {}", said.collect::<Vec<_>>().join("; "))
+    format!("{name}{}: {}", with(moment), said.collect::<Vec<_>>().join("; "))
+}
+
+/// The first of some pixels.
+fn listed(count: usize, first: &[(usize, usize)]) -> String {
+    let listed: Vec<String> = first.iter().map(|(x, y)| format!("({x}, {y})")).collect();
+    listed.join(" ") + if count > first.len() { ", …" } else { "" }
+}
+
+/// What is other at a moment than in the scene as it is, as the end of a phrase.
+fn with(moment: &Moment) -> String {
+    if moment.name.is_empty() { String::new() } else { format!(" with {}", moment.name) }
 }
 
 /// A report for programs.

@@ -1,7 +1,7 @@
 //! `sdfc check scene.sdf…`
 
 use crate::arguments::CheckArguments;
-use crate::certify;
+use crate::certify::{self, Judgement};
 use crate::compile::shader;
 use crate::failure::Failure;
 use crate::input;
@@ -72,10 +72,18 @@ fn check(
     shader(&compiled, terminal)?;
     match &compiled.output {
         Some((scene, _)) if arguments.certify => {
-            let judged =
-                clock.time("certify", || certify::run(&source.name, scene, arguments.size, terminal));
-            found.errors += usize::from(matches!(judged, Err(Failure::Scene)));
-            judged
+            let judged = clock
+                .time("certify", || certify::run(&source.name, &compiled, scene, arguments.size, terminal))?;
+            terminal.diagnostics(&compiled.sources, &judged.warnings);
+            found.count(&judged.warnings);
+            found.errors += usize::from(!judged.is_right);
+            match judged {
+                Judgement { is_right: false, .. } => Err(Failure::Scene),
+                Judgement { warnings, .. } if terminal.denies_warnings() && !warnings.is_empty() => {
+                    Err(Failure::Denied)
+                }
+                _ => Ok(()),
+            }
         }
         _ => Ok(()),
     }

@@ -41,7 +41,7 @@ impl Cost {
 }
 
 /// The first word of the scene block: the block may fill the screen.
-pub(crate) fn scene_word(tree: &File) -> Span {
+pub fn scene_word(tree: &File) -> Span {
     let scene = tree.items.iter().find(|item| matches!(item.kind, ItemKind::Scene(_)));
     let span = scene.map_or(Span::default(), |item| item.span);
     Span { end: span.end.min(span.start + "scene".len() as u32), ..span }

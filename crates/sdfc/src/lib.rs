@@ -12,7 +12,7 @@ mod files;
 mod measured;
 
 pub use clock::Clock;
-pub use cost::{Cost, ITERATION_LIMIT};
+pub use cost::{Cost, ITERATION_LIMIT, scene_word};
 pub use draw::{Device, DrawError, Drawing, Language, Progress};
 pub use field::{Field, Material, Property, Sample};
 pub use files::{FileLoader, similar_file};

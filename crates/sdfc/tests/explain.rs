@@ -42,16 +42,33 @@ fn examples(explanation: &str) -> Vec<Example> {
     found
 }
 
-/// The codes of what is said of a scene when it is compiled and, where that is the question, when it is drawn.
-fn codes(example: &Example, is_drawn: bool) -> Vec<Code> {
+/// The codes of what is said of a scene when it is compiled and, where that is the question, when it is drawn or
+/// certified.
+fn codes(example: &Example, asked: Code) -> Vec<Code> {
+    if asked == Code::W006 {
+        return certified(&example.text);
+    }
     let options = Options { view: Some(View::Picture), ..example.options.clone() };
     let compiled = compile("example.sdf", &example.text, &options, &mut Clock::default());
-    let drawn = compiled.output.as_ref().filter(|_| is_drawn).and_then(|(_, shader)| {
+    let drawn = compiled.output.as_ref().filter(|_| asked == Code::W005).and_then(|(_, shader)| {
         let frame = Frame::new(48, 27);
         let drawing = shader.draw(&frame, &Device::Cpu, Language::Wgsl, &|_| {}, &mut Clock::default());
         drawing.expect("the CPU draws").measured?.warning(&compiled.tree)
     });
     compiled.diagnostics.iter().chain(&drawn).map(|d| d.code).collect()
+}
+
+/// The codes of what `sdfc check --certify` says of a scene without mistakes.
+fn certified(text: &str) -> Vec<Code> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("example.sdf");
+    std::fs::write(&path, text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sdfc"));
+    command.args(["check", "--certify", "--size", "16x9", "--message-format", "short"]).arg(path);
+    let output = command.output().unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stderr).unwrap();
+    Code::ALL.iter().copied().filter(|code| text.contains(&format!("[{code}]"))).collect()
 }
 
 /// These have no example in a text: bytes that are no text, texts that are too large to be shown, and mistakes of the
@@ -71,7 +88,7 @@ fn examples_are_what_they_say() {
         assert!(examples.iter().any(|e| e.is_right) && examples.iter().any(|e| !e.is_right), "{code}");
         for example in examples {
             let expected = if example.is_right { vec![] } else { vec![*code] };
-            assert_eq!(codes(&example, *code == Code::W005), expected, "{code}: {}", example.text);
+            assert_eq!(codes(&example, *code), expected, "{code}: {}", example.text);
         }
     }
 }

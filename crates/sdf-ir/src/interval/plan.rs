@@ -116,6 +116,27 @@ impl Plan {
         self.at(value)?.idiom.as_ref()
     }
 
+    /// Adds the values that are read beside the operands of a node.
+    pub fn add_beside(&self, value: Value, reads: &mut Vec<Value>) {
+        let Some(Beside { rotation, pair, seams, idiom }) = self.at(value) else { return };
+        if let Some(Rotation { vector, axis, angle, .. }) = rotation {
+            reads.push(*vector);
+            reads.extend(axis.and_then(|axis| if let Axis::Of(axis) = axis { Some(axis) } else { None }));
+            reads.extend(if let Angle::Of(angle) = angle { Some(*angle) } else { None });
+        }
+        reads.extend(pair.map(|(whole, _)| whole));
+        reads.extend(seams.iter().flatten().flatten());
+        match idiom {
+            None => {}
+            Some(Idiom::Corner { vector, parts }) => reads.extend(vector.iter().chain(parts)),
+            Some(Idiom::Linear { vector, .. }) => reads.push(*vector),
+            Some(Idiom::Blend(blend)) => {
+                reads.extend([blend.a, blend.b, blend.apart, blend.bulge]);
+                reads.extend(blend.way.iter().chain(&blend.others));
+            }
+        }
+    }
+
     fn at(&self, value: Value) -> Option<&Beside> {
         self.beside.get(self.index[value.0 as usize] as usize)
     }

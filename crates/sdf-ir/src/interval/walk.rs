@@ -9,6 +9,7 @@ use super::idiom::Idiom;
 use super::number::{product_up, sum_up};
 use super::plan::Plan;
 use super::rotation::{Angle, Axis, Turn};
+use super::shortened::{Shortened, Step};
 use crate::constant::Constant;
 use crate::number::Number;
 use crate::program::{Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Unary, Value};
@@ -84,6 +85,27 @@ impl<D: Domain> Walk<D> {
         }
         for value in plan.body(id) {
             self.node(program, function, frame, *value);
+        }
+    }
+
+    /// Evaluates what counts of the body of a function, for arguments in the region that it was shortened for.
+    pub fn shortened(
+        &mut self,
+        program: &Program,
+        function: &Function,
+        frame: &mut Frame<D>,
+        shortened: &Shortened,
+        arguments: &[D],
+    ) {
+        let plan = frame.plan.clone();
+        for (index, value) in plan.arguments(RegionId::ROOT) {
+            frame.values[value.0 as usize] = arguments[*index as usize];
+        }
+        for step in shortened.steps() {
+            match *step {
+                Step::Evaluate(value) => self.node(program, function, frame, value),
+                Step::Copy { to, from } => frame.values[to.0 as usize] = frame.values[from.0 as usize],
+            }
         }
     }
 

@@ -25,6 +25,9 @@ const SLACK: f64 = 1e-6;
 const HALVINGS: usize = 20;
 /// For how many values of the params, and times, the points are tried.
 const FRAMES: usize = 4;
+/// Times are tried from 0 up to this, in seconds, and one that a page left open comes to.
+const SOON: f64 = 20.0;
+const LATE: f64 = 3600.0;
 
 /// A promise that does not hold, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -287,7 +290,8 @@ fn value(uniform: &Uniform, frame: usize, index: usize) -> Constant {
     let any = random(1 << 60 | (frame * 64 + index) as u64);
     match (uniform.role, frame) {
         (_, 0) | (Role::Setting | Role::Resolution | Role::Orbit { .. }, _) => uniform.default,
-        (Role::Time, _) => Constant::Float(any * 20.0),
+        (Role::Time, 2) => Constant::Float(LATE),
+        (Role::Time, _) => Constant::Float(any * SOON),
         (Role::Mouse, _) => Constant::Vec2([any, 1.0 - any]),
         (Role::Param { range: Some((lo, _)), .. }, 1) => Constant::Float(lo),
         (Role::Param { range: Some((_, hi)), .. }, 2) => Constant::Float(hi),

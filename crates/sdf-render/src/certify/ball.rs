@@ -8,10 +8,13 @@
 use super::conditions::{Linear, exclude_ball};
 use super::field::{Field, sign};
 use super::{Prover, Vector, dot, length, moved, normal, run};
+use sdf_ir::eval::Machine;
 use sdf_ir::interval::{Bounds, Interval, Slopes};
 
 /// How often the field is evaluated for one ball, at most, where nothing else is said.
 pub(super) const BUDGET: u64 = 1000;
+/// How often a point is moved to where the field would vanish if it were linear: once is enough for a distance.
+const DESCENTS: usize = 8;
 /// The share of a step that must be free: what is left is for rounding.
 const SHARE: f64 = 0.99;
 /// The shares of a step that are tried where that much is not free.
@@ -42,17 +45,23 @@ impl Prover<'_> {
     /// Whether the field has a zero within `radius` of a point; `None` where it cannot be told with about so many
     /// evaluations. A value that is zero up to the rounding of `f64` is one.
     pub fn contains_zero(&mut self, center: Vector, radius: f64, budget: u64) -> Option<bool> {
-        let gradient = self.normals_at(&[center]).pop();
+        let uphill = self.normals_at(&[center]).pop();
         let field = self.field.as_mut()?;
         let here = Bounds::between(center, center);
         let value = field.over(here);
         // A condition that rounding leaves open makes the value that of both its branches.
         let value = if sign(value).is_none() { field.over_by_cases(here) } else { value };
-        let rounding = 1e-12 * (length(center) + radius);
+        let rounding = rounding(center, radius);
         match sign(value) {
             None if value.most() <= rounding => Some(true),
             None => None,
-            Some(side) => Ball { field, center, radius, side, value, gradient }.contains_zero(budget),
+            Some(side) => {
+                let gradient = self.gradient.as_mut();
+                let mut ball = Ball { field, gradient, center, radius, side, value, uphill };
+                let answer = ball.contains_zero(budget);
+                ball.field.stay_within(&None);
+                answer
+            }
         }
     }
 
@@ -95,15 +104,27 @@ impl Prover<'_> {
     }
 }
 
+/// What values near a zero may be by the rounding of `f64`, for coordinates in a ball.
+fn rounding(center: Vector, radius: f64) -> f64 {
+    1e-12 * (length(center) + radius)
+}
+
+/// Whether a point is one of a ball's; one that is not finite is not.
+fn is_inside(place: Vector, center: Vector, radius: f64) -> bool {
+    length(moved(place, center, -1.0)) * (1.0 + 1e-12) <= radius
+}
+
 struct Ball<'a, 'p> {
     field: &'a mut Field<'p>,
+    /// The field and its gradient, in `f64`.
+    gradient: Option<&'a mut Machine<'p, f64>>,
     center: Vector,
     radius: f64,
     /// Whether the field is positive at the centre.
     side: bool,
     value: Interval,
     /// The gradient's direction at the centre.
-    gradient: Option<Vector>,
+    uphill: Option<Vector>,
 }
 
 /// A box: its middle, and half its size along each axis.
@@ -116,15 +137,19 @@ struct Cell {
 impl Ball<'_, '_> {
     fn contains_zero(&mut self, budget: u64) -> Option<bool> {
         let until = self.field.evaluations + budget;
-        let mut cells = vec![Cell { middle: self.center, half: [self.radius; 3] }];
+        let mut cells = vec![(Cell { middle: self.center, half: [self.radius; 3] }, None)];
         let mut is_first = true;
-        while let Some(cell) = cells.pop() {
+        while let Some((cell, mut within)) = cells.pop() {
             if self.is_outside(&cell) {
                 continue;
             }
             let region = cell.region();
-            if !is_first && sign(self.field.over(region)).is_some() {
-                continue;
+            self.field.stay_within(&within);
+            if !is_first {
+                if sign(self.field.over(region)).is_some() {
+                    continue;
+                }
+                within = self.field.shorten().or(within);
             }
             let (values, slopes) = self.field.moving_over(region);
             if sign(values).is_some() {
@@ -141,18 +166,18 @@ impl Ball<'_, '_> {
             {
                 continue;
             }
-            let has_changed = match is_first {
-                true => self.looks_round(),
+            let has_zero = match is_first {
+                true => self.looks_round() || self.descends(),
                 false => self.is_inside(cell.middle) && sign(middle).is_some_and(|side| side != self.side),
             };
-            if has_changed {
+            if has_zero {
                 return Some(true);
             }
             is_first = false;
             if self.field.evaluations >= until || !cell.is_divisible() {
                 return None;
             }
-            cells.extend(cell.halves(cell.axis(slopes.gradient(0))));
+            cells.extend(cell.halves(cell.axis(slopes.gradient(0))).map(|half| (half, within.clone())));
         }
         Some(false)
     }
@@ -184,7 +209,7 @@ impl Ball<'_, '_> {
     /// Whether the field has another sign at one of some points of the ball: along its gradient, and all round.
     fn looks_round(&mut self) -> bool {
         let way = if self.side { -1.0 } else { 1.0 };
-        let downhill = self.gradient.map(|gradient| gradient.map(|x| x * way));
+        let downhill = self.uphill.map(|uphill| uphill.map(|x| x * way));
         let mut directions = downhill.into_iter().chain(normal::directions());
         directions.any(|direction| {
             let place = moved(self.center, direction, self.radius * (1.0 - 1e-9));
@@ -193,9 +218,27 @@ impl Ball<'_, '_> {
         })
     }
 
+    /// Whether the field vanishes, up to rounding, where Newton's method leads from the centre, which is in the ball. At a
+    /// sheet without thickness, which the ball may reach at its rim alone, the field has one sign on all sides.
+    fn descends(&mut self) -> bool {
+        let Some(gradient) = &mut self.gradient else { return false };
+        let rounding = rounding(self.center, self.radius);
+        let mut place = self.center;
+        for _ in 0..DESCENTS {
+            let [value, slope @ ..]: [f64; 4] = run(gradient, &place);
+            place = moved(place, slope, -value / dot(slope, slope));
+            if !is_inside(place, self.center, self.radius) {
+                return false;
+            }
+            if self.field.over(Bounds::between(place, place)).most() <= rounding {
+                return true;
+            }
+        }
+        false
+    }
+
     fn is_inside(&self, place: Vector) -> bool {
-        let offset = std::array::from_fn(|i| place[i] - self.center[i]);
-        length(offset) * (1.0 + 1e-12) <= self.radius
+        is_inside(place, self.center, self.radius)
     }
 
     fn is_outside(&self, cell: &Cell) -> bool {

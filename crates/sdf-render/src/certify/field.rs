@@ -3,8 +3,9 @@
 use super::conditions::Conditions;
 use super::ray::Ray;
 use super::{Sides, Vector};
-use sdf_ir::interval::{Bounds, Interval, Sloped, Slopes, Walker};
+use sdf_ir::interval::{Bounds, Interval, Shortened, Sloped, Slopes, Walker};
 use sdf_ir::{Function, Program};
+use std::rc::Rc;
 
 /// How many borders between cells are told apart in one region, at most.
 const BORDERS: usize = 5;
@@ -18,6 +19,9 @@ pub(super) struct Field<'p> {
     /// How often it was evaluated.
     pub evaluations: u64,
 }
+
+/// What counts of a field's sign in a region, or all of it.
+pub(super) type Within = Option<Rc<Shortened>>;
 
 impl<'p> Field<'p> {
     pub fn new(
@@ -37,6 +41,23 @@ impl<'p> Field<'p> {
             slopes: Walker::new(program, map, uniforms, globals),
             evaluations: 0,
         }
+    }
+
+    /// Asks from now on in parts of a region in which this counts. The values have the field's sign there, and near a zero
+    /// they are its values.
+    pub fn stay_within(&mut self, within: &Within) {
+        self.values.stay_within(within.clone());
+        self.slopes.stay_within(within.clone());
+    }
+
+    /// Stays within the region over which the values were asked for just now; gives what counts there, if that is much less
+    /// than where the field stayed before.
+    pub fn shorten(&mut self) -> Within {
+        let shortened = self.values.shorten().map(Rc::new);
+        if shortened.is_some() {
+            self.stay_within(&shortened);
+        }
+        shortened
     }
 
     /// Where the values in a region lie.

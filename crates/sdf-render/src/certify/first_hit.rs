@@ -5,7 +5,7 @@
 //! has changed there is a zero; where the slope also keeps its sign there is one alone, and interval Newton closes in on
 //! it. What no halving decides is a place where the field touches zero, or nearly so.
 
-use super::field::{Field, sign};
+use super::field::{Field, Within, sign};
 use super::ray::Ray;
 use super::{Prover, Vector};
 use sdf_ir::interval::Interval;
@@ -47,7 +47,11 @@ impl Prover<'_> {
     /// where the field comes within 1e-9 of zero, as a share of the coordinates, between slopes of both signs.
     pub fn first_hit(&mut self, ray: &Ray) -> Truth {
         match &mut self.field {
-            Some(field) => Search::new(field, ray).run(),
+            Some(field) => {
+                let truth = Search::new(field, ray).run();
+                field.stay_within(&None);
+                truth
+            }
             None => Truth::Miss,
         }
     }
@@ -72,12 +76,14 @@ struct Search<'a, 'p> {
     until: u64,
     /// The sign of the field before the first zero.
     before: Option<bool>,
+    /// What counts of the field up to some distances, each part of the ray within the one before.
+    within: Vec<(f64, Within)>,
 }
 
 impl<'a, 'p> Search<'a, 'p> {
     fn new(field: &'a mut Field<'p>, ray: &'a Ray) -> Search<'a, 'p> {
         let until = field.evaluations + BUDGET;
-        Search { field, ray, until, before: None }
+        Search { field, ray, until, before: None, within: Vec::new() }
     }
 
     fn run(&mut self) -> Truth {
@@ -133,11 +139,17 @@ impl<'a, 'p> Search<'a, 'p> {
         }
     }
 
-    /// What is known of a piece before which there is no zero.
+    /// What is known of a piece before which there is no zero. Pieces come in order, each behind the one before or a part
+    /// of it.
     fn look(&mut self, from: f64, to: f64) -> Piece {
+        while self.within.pop_if(|(end, _)| *end < to).is_some() {}
+        self.field.stay_within(self.within.last().map_or(&None, |(_, within)| within));
         let values = self.field.along(self.ray, from, to);
         if sign(values).is_some() {
             return self.free(values);
+        }
+        if let Some(shortened) = self.field.shorten() {
+            self.within.push((to, Some(shortened)));
         }
         let (values, slope) = self.field.moving_along(self.ray, from, to);
         let middle = from + (to - from) / 2.0;
@@ -197,6 +209,7 @@ impl<'a, 'p> Search<'a, 'p> {
     /// Whether the field comes to zero in a tiny piece, by rounding, and turns round there as it does at a sheet.
     fn turns_round(&mut self, from: f64, to: f64) -> bool {
         let Some(before) = self.before else { return false };
+        self.field.stay_within(&None);
         let least = LEAST * self.ray.scale(to);
         let middle = from + (to - from) / 2.0;
         let value = self.field.along(self.ray, middle, middle);

@@ -31,6 +31,9 @@ use sdf_ir::eval::{Machine, Tape};
 use sdf_ir::interval::{Bounds, bounds_of_globals};
 use sdf_ir::{Constant, Function, FunctionId, Program};
 
+/// The most operations of a field that is written out.
+const WRITTEN_OUT: u64 = 20_000;
+
 /// A point of space, or a vector.
 pub type Vector = [f64; 3];
 
@@ -72,14 +75,15 @@ impl Certifier {
     pub fn new(program: &Program, functions: Functions, frame: &Frame) -> Certifier {
         let mut program = program.clone().without_promises();
         let gradient = functions.map.map(|map| sdf_ir::gradient(&mut program, map));
-        let conditions = functions.map.map(|map| {
+        let map = functions.map.map(|map| written_out_if_small(&mut program, map));
+        let conditions = map.map(|map| {
             let of = |is_outside| conditions(&program, program.function(map), is_outside);
             Sides { outside: of(true), inside: of(false) }
         });
         let uniforms = frame.uniforms(&program);
         let uniform_bounds: Vec<Bounds> = uniforms.iter().map(|value| Bounds::constant(*value)).collect();
         Certifier {
-            map: functions.map,
+            map,
             conditions,
             global_bounds: bounds_of_globals(&program, &uniform_bounds),
             ray: Tape::compile(&program, functions.ray),
@@ -109,6 +113,16 @@ impl Certifier {
             gradient: self.gradient.as_ref().map(machine),
         }
     }
+}
+
+/// The field with all that it calls, so that what does not count in a region can be left out wherever it stands; a field
+/// that is too large for that stays as it is.
+fn written_out_if_small(program: &mut Program, map: FunctionId) -> FunctionId {
+    if sdf_ir::cost::operations(program, map) > WRITTEN_OUT {
+        return map;
+    }
+    let written_out = sdf_ir::written_out(program, program.function(map));
+    program.add(written_out)
 }
 
 /// Answers questions about one scene, one after the other.

@@ -58,6 +58,16 @@ fn sheet(b: &mut Builder, p: Value) -> Value {
     b.unary(Unary::Abs, z)
 }
 
+/// The part of that plane where x is from -1 to 1.
+fn strip(b: &mut Builder, p: Value) -> Value {
+    let (x, z, half, zero) = (b.component(p, 0), b.component(p, 2), b.float(1.0), b.float(0.0));
+    let x = b.unary(Unary::Abs, x);
+    let beside = b.sub(x, half);
+    let beside = b.max(beside, zero);
+    let at = b.compose(&[beside, z]);
+    b.unary(Unary::Length, at)
+}
+
 /// A ring about the z axis, of radius 1, and as thick as 0.25.
 fn torus(b: &mut Builder, p: Value) -> Value {
     let (x, y, z) = (b.component(p, 0), b.component(p, 1), b.component(p, 2));
@@ -260,6 +270,17 @@ fn a_hit_that_passes_within_the_tolerance_is_right() {
     let at = |impact: f64| judged(sphere, [impact, 0.0], found(5.0, [1.0, 0.0, 0.0]));
     assert!(matches!(at(1.004), Verdict::RightHit { late: None, .. }));
     assert_eq!(at(1.006), Verdict::FalseHit);
+}
+
+#[test]
+fn a_hit_beside_the_rim_of_a_sheet_is_right_within_the_tolerance() {
+    let at = |x: f64, depth: f64| judged(strip, [x, 0.2], found(depth, [1.0, 0.0, 0.0]));
+    for (x, depth) in [(1.004, 5.0), (1.003, 4.997), (1.003, 5.003), (1.0 - 1e-6, 4.997)] {
+        assert!(matches!(at(x, depth), Verdict::RightHit { .. }), "{x} {depth}: {:?}", at(x, depth));
+    }
+    for (x, depth) in [(1.006, 5.0), (1.004, 4.996), (1.004, 5.004), (0.9, 4.99)] {
+        assert_eq!(at(x, depth), Verdict::FalseHit, "{x} {depth}");
+    }
 }
 
 #[test]

@@ -9,6 +9,9 @@ fn balls_hold_zeros_or_do_not() {
         ("sphere", sphere as Shape, [1.5, 0.0, 0.0]),
         ("box", cuboid, [1.3, 0.9, 0.0]),
         ("torus", torus, [0.0; 3]),
+        // Beside the rim, and over the face.
+        ("strip", strip, [1.3, 0.1, 0.4]),
+        ("strip", strip, [0.3, 0.1, 0.4]),
     ] {
         let certifier = scene(shape, 1.0);
         let mut prover = certifier.prover();

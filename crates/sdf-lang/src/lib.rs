@@ -6,6 +6,7 @@
 //! and `runtime/`; nothing here knows a shape's name.
 #![warn(missing_docs)]
 
+mod beside;
 mod builtin;
 mod call;
 mod check;

@@ -4,13 +4,14 @@
 //! the field, so that blends, shells, shadows and occlusion keep their shape, and to the branch, so that a ball
 //! beside a twisted column still takes whole steps. Where nothing is steep, a step is the distance itself.
 
+use crate::beside::Beside;
 use crate::context::Op;
 use crate::contract::Quality;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
 use crate::facts::{Stated, corner_number, parts, room};
 use crate::scene::parts_of_union;
-use crate::value::{Env, Number, Shape, ShapeKind, Value};
+use crate::value::{Number, Shape, ShapeKind, Value};
 use sdf_ir::interval::Interval;
 use sdf_ir::region::Extent;
 use sdf_ir::{Binary, Ternary, Type, Unary};
@@ -228,9 +229,9 @@ impl<'t> Elaborator<'t> {
         Ok(self.contexts.apply(Op::Ternary(Ternary::Select), &[outside, to_box, within]))
     }
 
-    /// The step where some of the shapes that a field samples are steep and have boxes, and the field goes on beyond
-    /// these, as a blend with a plane does: outside of the boxes of the places where those shapes matter to it, it is as
-    /// if they were not there, until the ray comes to the boxes. Nothing if there are no such boxes.
+    /// The step where shapes in a field are steep and have boxes, and the field goes on beyond these, as a blend with a
+    /// plane does: outside of the boxes it is as if they were not there, until the ray comes to a box. Nothing if there are
+    /// no such boxes.
     fn step_beside(
         &mut self,
         shape: &Rc<Shape<'t>>,
@@ -238,42 +239,9 @@ impl<'t> Elaborator<'t> {
         distance: &Number,
         span: Span,
     ) -> Eval<Option<Number>> {
-        let ShapeKind::Field { block, env, origin } = &shape.kind else {
-            return match &shape.kind {
-                ShapeKind::Named { inner, .. } => self.step_beside(inner, point, distance, span),
-                _ => Ok(None),
-            };
-        };
-        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
-        if samples.len() < 2 || samples.iter().any(|(_, at, _)| !at.is_same(point)) {
-            return Ok(None);
-        }
-        let mut is_steep = Vec::new();
-        let mut around = Extent::NONE;
-        for (sample, ..) in &samples {
-            let extent = self.extent_of(sample, 0.0)?;
-            is_steep.push(self.slope_of(sample)?.everywhere > 1.0 && extent.is_bounded());
-            if is_steep[is_steep.len() - 1] {
-                around = around.union(&extent);
-            }
-        }
-        if around.is_empty() {
-            return Ok(None);
-        }
-        let size = around.size().into_iter().fold(0.0, f64::max);
-        let Some(level) = self.influence(shape, &is_steep, size)? else { return Ok(None) };
-        let mut extent = Extent::NONE;
-        for ((sample, ..), _) in samples.iter().zip(&is_steep).filter(|(_, is_steep)| **is_steep) {
-            extent = extent.union(&self.extent_of(sample, level)?);
-        }
-        if !extent.is_bounded() {
-            return Ok(None);
-        }
-        let steep: Vec<_> = samples.iter().zip(&is_steep).filter(|(_, s)| **s).map(|(s, _)| &s.0).collect();
-        let without = ShapeKind::Field { block, env: without(env, &steep), origin: *origin };
-        let without = Rc::new(Shape { kind: without, ..**shape });
+        let Some(Beside { extent, rest }) = self.beside(shape, 0.0, point)? else { return Ok(None) };
         let (outside, to_box) = self.outside_of(&extent, point, span)?;
-        let rest = self.safe_step(&without, point, span)?;
+        let rest = self.safe_step(&rest, point, span)?;
         let from_inside = self.unary(Unary::Negate, &to_box, span)?;
         let beside = self.binary(Binary::Max, &rest, &from_inside, span)?;
         let beside = self.binary(Binary::Min, &beside, &to_box, span)?;
@@ -315,21 +283,6 @@ struct Moved<'t> {
     rate: f64,
     /// Whether the field is the shape's distance there.
     is_to_scale: bool,
-}
-
-/// The variables of a field with nothing in the places of some shapes.
-fn without<'t>(env: &Env<'t>, shapes: &[&Rc<Shape<'t>>]) -> Env<'t> {
-    let replaced = |value: Value<'t>| match &value {
-        Value::Shape(s) if shapes.iter().any(|shape| Rc::ptr_eq(shape, s)) => {
-            let kind = ShapeKind::Union { shapes: Vec::new() };
-            Value::Shape(Rc::new(Shape { kind, painted: false, steep: false, ..**s }))
-        }
-        _ => value,
-    };
-    env.map(|_, value| match &value {
-        Value::List(list) => Value::list(list.items.iter().cloned().map(replaced).collect()),
-        _ => replaced(value),
-    })
 }
 
 fn approached<'t>(distance: Number, stride: Number) -> Value<'t> {

@@ -21,6 +21,15 @@ const FARTHEST: f64 = 2.0 * crate::NOTHING;
 /// The levels that are tried are the shapes' size times a power of 2 between these.
 const LEVELS: [i32; 2] = [-10, 4];
 
+/// What of a shape is steep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Steep {
+    Nothing,
+    /// Some of the shapes in it.
+    Parts,
+    Whole,
+}
+
 /// How a field shows one shape elsewhere.
 pub(crate) struct Zoom {
     /// What it multiplies the distance by.
@@ -61,30 +70,47 @@ impl<'t> Elaborator<'t> {
         Ok(rate.lo >= 0.0)
     }
 
-    /// How far away some of the shapes that a field samples matter: where all of their distances are at least this level,
-    /// the field is above 0, and below, where it would be without them. Nothing if no level is found up to some times
-    /// `size`, the size of those shapes. `is_chosen` tells which samples they are, in their order.
-    pub fn influence(&mut self, shape: &Rc<Shape<'t>>, is_chosen: &[bool], size: f64) -> Eval<Option<f64>> {
-        let others = is_chosen.iter().filter(|chosen| !**chosen).count();
+    /// How far away the steep shapes in a field matter: a level so that, where they are farther away than that, the field is
+    /// what it would be without them if it is at most `band` either way, and else is beyond that on the same side. Nothing
+    /// if no level is found up to some times `size`, the size of those shapes. `samples` tells, in their order, what is steep
+    /// in what the field samples.
+    pub fn influence(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        samples: &[Steep],
+        band: f64,
+        size: f64,
+    ) -> Eval<Option<f64>> {
+        let others = samples.iter().filter(|steep| **steep != Steep::Whole).count();
         let Some(formula) = self.formula(shape)? else { return Ok(None) };
-        if others == 0 || others > MOST_OTHERS || formula.samples.len() != is_chosen.len() {
+        if others == 0 || others > MOST_OTHERS || formula.samples.len() != samples.len() {
             return Ok(None);
         }
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
         let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
+        // The cells are of what the samples would be without the steep shapes.
         let mut matters = |level: f64, cell: &[Interval]| {
-            let mut others = cell.iter().peekable();
-            for (sample, is_chosen) in formula.samples.iter().zip(is_chosen) {
-                arguments[sample.argument] = match others.next_if(|_| !*is_chosen) {
-                    Some(distance) => Sloped::steady(Bounds::float(*distance)),
+            let mut others = cell.iter();
+            for (sample, steep) in formula.samples.iter().zip(samples) {
+                let other = if *steep == Steep::Whole { None } else { others.next() };
+                arguments[sample.argument] = match other {
+                    Some(d) if *steep == Steep::Nothing || d.lo >= -level && d.hi <= level => {
+                        Sloped::steady(Bounds::float(*d))
+                    }
+                    Some(d) => {
+                        let least = if d.lo > -level { d.lo.min(level) } else { -FARTHEST };
+                        let most = if d.hi < level { d.hi.max(-level) } else { FARTHEST };
+                        Sloped::within(distances(least, most), 1.0)
+                    }
                     None => Sloped::within(distances(level, FARTHEST), 1.0),
                 };
             }
             let field = inner.run(&arguments)[0];
             let value = field.bounds.number();
-            field.norm() > 0.0 && value.lo <= 0.0 && value.hi >= 0.0
+            field.norm() > 0.0 && value.lo <= band && value.hi >= -band
         };
+        let size = size.max(band);
         let mut is_enough = |exponent: i32| {
             let level = size * f64::from(exponent).exp2();
             holds_nowhere(others, size, |cell| matters(level, cell))

@@ -18,6 +18,7 @@ use crate::value::{Env, Module, Origin, Shape, ShapeKind, Thunk, Value};
 pub(crate) use attack::Broken;
 use derive::Formula;
 pub(crate) use derive::Gain;
+pub(crate) use influence::Steep;
 pub(crate) use listing::parts;
 pub use listing::{Basis, Class, Copies, Fact};
 pub(crate) use promise::corner_number;

@@ -8,6 +8,10 @@ use super::{BUDGET, Prover, dot};
 const LATE: f64 = 2.0;
 /// From what angle on, in degrees, a normal on a crease is worth a closer search.
 const CLOSE: f64 = 0.05;
+/// From what cosine between ray and normal on a surface clearly faces the eye, or clearly does not.
+const HIDDEN: f64 = 0.1;
+/// From what cosine on two normals are those of both sides of a sheet.
+const OPPOSITE: f64 = 0.9;
 /// How much of what is allowed the enclosure of the first zero may be wide.
 const WIDE: f64 = 0.1;
 
@@ -105,7 +109,22 @@ impl Prover<'_> {
         if far - near > WIDE * allowed {
             return Verdict::Ambiguous;
         }
-        self.right_hit(ray, Some(apart * cosine / radius), found)
+        match self.right_hit(ray, Some(apart * cosine / radius), found) {
+            Verdict::RightHit { late, is_smooth, .. } if self.is_other_side(ray, far, found) => {
+                Verdict::RightHit { late, normal: 180.0, is_smooth }
+            }
+            verdict => verdict,
+        }
+    }
+
+    /// Whether a normal is that of the other side of something thin, which the eye does not see.
+    fn is_other_side(&mut self, ray: &Ray, first_zero: f64, found: &Found) -> bool {
+        let seen = found.normal.map(f64::from);
+        let front = self.normals_at(&[ray.at(first_zero)]);
+        let is_front = |normal: &[f64; 3]| dot(*normal, ray.direction) < -HIDDEN;
+        dot(seen, ray.direction) > HIDDEN
+            && !front.is_empty()
+            && front.iter().all(|normal| is_front(normal) && dot(*normal, seen) < -OPPOSITE)
     }
 
     fn right_hit(&mut self, ray: &Ray, late: Option<f64>, found: &Found) -> Verdict {

@@ -1,0 +1,113 @@
+//! A shape without the steep ones in it that have boxes: what a ray may take for the shape where it is outside of these.
+
+use crate::eval::{Elaborator, Eval};
+use crate::facts::{Steep, parts};
+use crate::value::{Number, Shape, ShapeKind, Value};
+use sdf_ir::region::Extent;
+use std::rc::Rc;
+
+/// A shape outside of a box.
+pub(crate) struct Beside<'t> {
+    /// The box.
+    pub extent: Extent,
+    /// What the shape is outside of it, where its distance is small.
+    pub rest: Rc<Shape<'t>>,
+}
+
+impl<'t> Elaborator<'t> {
+    /// A shape without the steep ones in it. Outside of the box its distance is that of `rest` if one of both is at most
+    /// `band` either way, and else both are beyond that on the same side. Nothing if something steep in it has no box.
+    pub fn beside(&mut self, shape: &Rc<Shape<'t>>, band: f64, point: &Number) -> Eval<Option<Beside<'t>>> {
+        if self.slope_of(shape)?.everywhere <= 1.0 {
+            return Ok(Some(Beside { extent: Extent::NONE, rest: shape.clone() }));
+        }
+        if self.extent_of(shape, 0.0)?.is_bounded() {
+            let extent = self.extent_of(shape, band)?;
+            return Ok(extent.is_bounded().then(|| Beside { extent, rest: of(shape, Vec::new()) }));
+        }
+        if let parts @ [_, _, ..] = &self.parts_behind(shape)?[..] {
+            let (mut extent, mut rest) = (Extent::NONE, Vec::new());
+            for part in parts {
+                let Some(beside) = self.beside(part, band, point)? else { return Ok(None) };
+                extent = extent.union(&beside.extent);
+                rest.push(beside.rest);
+            }
+            return Ok(Some(Beside { extent, rest: of(shape, rest) }));
+        }
+        match &shape.kind {
+            ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
+                self.beside(inner, band, point)
+            }
+            ShapeKind::Field { .. } => self.beside_field(shape, band, point),
+            _ => Ok(None),
+        }
+    }
+
+    fn beside_field(&mut self, shape: &Rc<Shape<'t>>, band: f64, point: &Number) -> Eval<Option<Beside<'t>>> {
+        let ShapeKind::Field { block, env, origin } = &shape.kind else { return Ok(None) };
+        let samples = self.samples_of(|this| this.field_value(block, env, point))?;
+        if samples.iter().any(|(_, at, _)| !at.is_same(point)) {
+            return Ok(None);
+        }
+        let (mut kinds, mut steep) = (Vec::new(), Extent::NONE);
+        for (sample, ..) in &samples {
+            let inside = self.steep_inside(sample)?;
+            steep = steep.union(&inside);
+            kinds.push(if self.slope_of(sample)?.everywhere <= 1.0 {
+                Steep::Nothing
+            } else if self.extent_of(sample, 0.0)?.is_bounded() {
+                Steep::Whole
+            } else {
+                Steep::Parts
+            });
+        }
+        if steep.is_empty() || !steep.is_bounded() {
+            return Ok(None);
+        }
+        let size = steep.size().into_iter().fold(0.0, f64::max);
+        let Some(level) = self.influence(shape, &kinds, band, size)? else { return Ok(None) };
+        let (mut extent, mut replaced) = (Extent::NONE, Vec::new());
+        for (sample, ..) in &samples {
+            let Some(beside) = self.beside(sample, level, point)? else { return Ok(None) };
+            extent = extent.union(&beside.extent);
+            replaced.push((sample.clone(), beside.rest));
+        }
+        let replace = |value: &Value<'t>| match value {
+            Value::Shape(own) => match replaced.iter().find(|(sample, _)| Rc::ptr_eq(sample, own)) {
+                Some((_, rest)) => Value::Shape(rest.clone()),
+                None => value.clone(),
+            },
+            _ => value.clone(),
+        };
+        let env = env.map(|_, value| match &value {
+            Value::List(list) => Value::list(list.items.iter().map(replace).collect()),
+            _ => replace(&value),
+        });
+        let kind = ShapeKind::Field { block, env, origin: *origin };
+        let rest = Rc::new(Shape { kind, ..**shape });
+        Ok((!extent.is_empty()).then_some(Beside { extent, rest }))
+    }
+
+    /// The box round the steep shapes in a shape; all of space if one of them has none.
+    fn steep_inside(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Extent> {
+        if self.slope_of(shape)?.everywhere <= 1.0 {
+            return Ok(Extent::NONE);
+        }
+        let own = self.extent_of(shape, 0.0)?;
+        let inside = parts(shape);
+        if own.is_bounded() || inside.is_empty() {
+            return Ok(own);
+        }
+        let mut all = Extent::NONE;
+        for part in inside {
+            all = all.union(&self.steep_inside(&part)?);
+        }
+        Ok(if all.is_empty() { own } else { all })
+    }
+}
+
+/// The union of some shapes of which a shape was made.
+fn of<'t>(shape: &Rc<Shape<'t>>, shapes: Vec<Rc<Shape<'t>>>) -> Rc<Shape<'t>> {
+    let steep = shapes.iter().any(|s| s.steep);
+    Rc::new(Shape { kind: ShapeKind::Union { shapes }, painted: false, steep, ..**shape })
+}

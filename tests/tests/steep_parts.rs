@@ -7,7 +7,7 @@ use sdf_render::certify::{Certifier, Functions, Picture, Report, interpreted};
 use sdf_tests::scenes::scene;
 
 /// Twisted columns, bent ones and planes, which have no end, under operators.
-const SCENES: [&str; 11] = [
+const SCENES: [&str; 14] = [
     "union(box((0.3, 1, 0.3)).twist(2), plane().at(0, -1, 0)).scale(2)",
     "union(box((0.3, 1, 0.3)).twist(2).at(1, 0, 0), plane().at(0, -1, 0)).mirror((1, 0, 0))",
     "union(box((0.3, 1, 0.3)).twist(2), plane().at(0, -1, 0)).round(0.1)",
@@ -18,6 +18,9 @@ const SCENES: [&str; 11] = [
     "plane() - box((0.3, 1, 0.3)).twist(2).at(0, 0.5, 0)",
     "smin(box((0.2, 0.5, 0.2)).twist(3) | plane(), sphere(0.5).at(1.5, 0.5, 1), k: 0.3)",
     "smin(smin(box((0.2, 0.5, 0.2)).twist(3).at(0, 0.4, 0), plane(), k: 0.2), sphere(0.5).at(1.5, 0.5, 1), k: 0.3)",
+    "smin(box((200, 0.1, 200)), box((0.3, 1, 0.3)).twist(1).at(0, 0.4, 0), k: 0.3)",
+    "smin(plane(), box((0.3, 1, 0.3)).twist(1), k: 0.5).round(0.1)",
+    "(plane() | box((0.3, 1, 0.3)).twist(1)) - sphere(0.4).at(0.3, 0.4, 0.3)",
     "sdiff(plane(), box((0.3, 1, 0.3)).twist(2).at(0, 0.5, 0), k: 0.2)",
 ];
 const SIZE: [u32; 2] = [48, 27];

@@ -22,9 +22,19 @@ impl<'t> Elaborator<'t> {
             return Ok(Some(Beside { extent: Extent::NONE, rest: shape.clone() }));
         }
         if self.extent_of(shape, 0.0)?.is_bounded() {
+            if self.is_steep_in_a_corner(shape)?
+                && let Some(beside) = self.beside_in(shape, band, point)?
+            {
+                return Ok(Some(beside));
+            }
             let extent = self.extent_of(shape, band)?;
             return Ok(extent.is_bounded().then(|| Beside { extent, rest: of(shape, Vec::new()) }));
         }
+        self.beside_in(shape, band, point)
+    }
+
+    /// The same for a shape that is not left out as a whole.
+    fn beside_in(&mut self, shape: &Rc<Shape<'t>>, band: f64, point: &Number) -> Eval<Option<Beside<'t>>> {
         if let parts @ [_, _, ..] = &self.parts_behind(shape)?[..] {
             let (mut extent, mut rest) = (Extent::NONE, Vec::new());
             for part in parts {
@@ -36,7 +46,7 @@ impl<'t> Elaborator<'t> {
         }
         match &shape.kind {
             ShapeKind::Named { inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
-                self.beside(inner, band, point)
+                self.beside_in(inner, band, point)
             }
             ShapeKind::Field { .. } => self.beside_field(shape, band, point),
             _ => Ok(None),
@@ -55,7 +65,7 @@ impl<'t> Elaborator<'t> {
             steep = steep.union(&inside);
             kinds.push(if self.slope_of(sample)?.everywhere <= 1.0 {
                 Steep::Nothing
-            } else if self.extent_of(sample, 0.0)?.is_bounded() {
+            } else if self.extent_of(sample, 0.0)?.is_bounded() && !self.is_steep_in_a_corner(sample)? {
                 Steep::Whole
             } else {
                 Steep::Parts
@@ -88,21 +98,33 @@ impl<'t> Elaborator<'t> {
         Ok((!extent.is_empty()).then_some(Beside { extent, rest }))
     }
 
-    /// The box round the steep shapes in a shape; all of space if one of them has none.
+    /// Whether a shape with a box is much larger than the steep shapes in it.
+    pub fn is_steep_in_a_corner(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+        let (own, inside) = (self.extent_of(shape, 0.0)?, self.steep_parts(shape)?);
+        let size = |extent: &Extent| extent.size().into_iter().fold(0.0, f64::max);
+        Ok(!inside.is_empty() && 2.0 * size(&inside) < size(&own))
+    }
+
+    /// The box round the steep shapes in a shape, or round itself if no others are; all of space if one of them has none.
     fn steep_inside(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Extent> {
         if self.slope_of(shape)?.everywhere <= 1.0 {
             return Ok(Extent::NONE);
         }
-        let own = self.extent_of(shape, 0.0)?;
-        let inside = parts(shape);
-        if own.is_bounded() || inside.is_empty() {
-            return Ok(own);
+        let (own, inside) = (self.extent_of(shape, 0.0)?, self.steep_parts(shape)?);
+        let is_own = inside.is_empty() || own.is_bounded() && !self.is_steep_in_a_corner(shape)?;
+        Ok(if is_own { own } else { inside })
+    }
+
+    fn steep_parts(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Extent> {
+        if let Some(known) = self.facts.steep_parts(shape) {
+            return Ok(known);
         }
-        let mut all = Extent::NONE;
-        for part in inside {
-            all = all.union(&self.steep_inside(&part)?);
+        let mut inside = Extent::NONE;
+        for part in parts(shape) {
+            inside = inside.union(&self.steep_inside(&part)?);
         }
-        Ok(if all.is_empty() { own } else { all })
+        self.facts.keep_steep_parts(shape, inside);
+        Ok(inside)
     }
 }
 

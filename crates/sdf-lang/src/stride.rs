@@ -136,7 +136,13 @@ impl<'t> Elaborator<'t> {
                 if slope.everywhere <= 1.0 {
                     return Ok(distance);
                 }
-                let by_region = slope.has_better_region() && self.extent_of(shape, 0.0)?.is_bounded();
+                let is_bounded = self.extent_of(shape, 0.0)?.is_bounded();
+                let beside = if !slope.wild && (!is_bounded || self.is_steep_in_a_corner(shape)?) {
+                    self.step_beside(shape, point, &distance, span)?
+                } else {
+                    None
+                };
+                let by_region = beside.is_none() && slope.has_better_region() && is_bounded;
                 let constant = if slope.wild || by_region { slope.within } else { self.steepness(shape)? };
                 if constant.is_finite() && constant > VERY_STEEP {
                     self.warn(errors::very_steep(shape.place, constant));
@@ -144,7 +150,7 @@ impl<'t> Elaborator<'t> {
                 if slope.wild || by_region {
                     return self.step_by_region(shape, slope.within, point, &distance, span);
                 }
-                if let Some(step) = self.step_beside(shape, point, &distance, span)? {
+                if let Some(step) = beside {
                     return Ok(step);
                 }
                 let slope = self.slope(shape, point, &distance, span)?;

@@ -68,6 +68,7 @@ pub(crate) struct Facts<'t> {
     extents: HashMap<(*const (), u64), Extent>,
     formulas: HashMap<*const (), Option<Rc<Formula>>>,
     parts_behind: HashMap<*const (), Vec<Rc<Shape<'t>>>>,
+    steep_parts: HashMap<*const (), Extent>,
     /// The shapes whose places are keys: as long as they are kept, no other shape gets their places.
     kept: Vec<Rc<Shape<'t>>>,
     frame: Growing,
@@ -88,6 +89,7 @@ impl<'t> Facts<'t> {
             extents: HashMap::new(),
             formulas: HashMap::new(),
             parts_behind: HashMap::new(),
+            steep_parts: HashMap::new(),
             kept: Vec::new(),
             frame: Growing::new(),
             open: (u32::MAX, Growing::new()),
@@ -100,6 +102,16 @@ impl<'t> Facts<'t> {
     /// The shapes that a shape was found to be the union of.
     pub fn parts_behind(&self, shape: &Rc<Shape<'t>>) -> Option<Vec<Rc<Shape<'t>>>> {
         self.parts_behind.get(&Rc::as_ptr(shape).cast()).cloned()
+    }
+
+    /// The box that was found round the steep shapes in a shape.
+    pub fn steep_parts(&self, shape: &Rc<Shape<'t>>) -> Option<Extent> {
+        self.steep_parts.get(&Rc::as_ptr(shape).cast()).copied()
+    }
+
+    pub fn keep_steep_parts(&mut self, shape: &Rc<Shape<'t>>, inside: Extent) {
+        self.kept.push(shape.clone());
+        self.steep_parts.insert(Rc::as_ptr(shape).cast(), inside);
     }
 
     pub fn keep_parts_behind(&mut self, shape: &Rc<Shape<'t>>, parts: &[Rc<Shape<'t>>]) {

@@ -15,10 +15,10 @@ pub(crate) struct Beside<'t> {
 }
 
 impl<'t> Elaborator<'t> {
-    /// A shape without the steep ones in it. Outside of the box its distance is that of `rest` if one of both is at most
-    /// `band` either way, and else both are beyond that on the same side. Nothing if something steep in it has no box.
+    /// A shape without the steep ones in it that have boxes. Outside of their box its distance is that of `rest` if one of
+    /// both is at most `band` either way, and else both are beyond that on the same side. Nothing if that is not proved.
     pub fn beside(&mut self, shape: &Rc<Shape<'t>>, band: f64, point: &Number) -> Eval<Option<Beside<'t>>> {
-        if self.slope_of(shape)?.everywhere <= 1.0 {
+        if self.steep_inside(shape)?.is_empty() {
             return Ok(Some(Beside { extent: Extent::NONE, rest: shape.clone() }));
         }
         if self.extent_of(shape, 0.0)?.is_bounded() {
@@ -63,7 +63,7 @@ impl<'t> Elaborator<'t> {
         for (sample, ..) in &samples {
             let inside = self.steep_inside(sample)?;
             steep = steep.union(&inside);
-            kinds.push(if self.slope_of(sample)?.everywhere <= 1.0 {
+            kinds.push(if inside.is_empty() {
                 Steep::Nothing
             } else if self.extent_of(sample, 0.0)?.is_bounded() && !self.is_steep_in_a_corner(sample)? {
                 Steep::Whole
@@ -71,7 +71,7 @@ impl<'t> Elaborator<'t> {
                 Steep::Parts
             });
         }
-        if steep.is_empty() || !steep.is_bounded() {
+        if steep.is_empty() {
             return Ok(None);
         }
         let size = steep.size().into_iter().fold(0.0, f64::max);
@@ -105,13 +105,13 @@ impl<'t> Elaborator<'t> {
         Ok(!inside.is_empty() && 2.0 * size(&inside) < size(&own))
     }
 
-    /// The box round the steep shapes in a shape, or round itself if no others are; all of space if one of them has none.
+    /// The box round the steep shapes that have boxes in a shape, or round itself if no others are.
     fn steep_inside(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Extent> {
         if self.slope_of(shape)?.everywhere <= 1.0 {
             return Ok(Extent::NONE);
         }
         let (own, inside) = (self.extent_of(shape, 0.0)?, self.steep_parts(shape)?);
-        let is_own = inside.is_empty() || own.is_bounded() && !self.is_steep_in_a_corner(shape)?;
+        let is_own = own.is_bounded() && !self.is_steep_in_a_corner(shape)?;
         Ok(if is_own { own } else { inside })
     }
 

@@ -93,7 +93,7 @@ fn turn_of(gradient: [Interval; 3]) -> f64 {
 }
 
 /// How often the search for a normal on a crease becomes closer.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 18;
 
 /// Points all over a ball: in directions along a spiral, at distances that fill it evenly (Richard Swinbank, R. James
 /// Purser, "Fibonacci grids", 2006).

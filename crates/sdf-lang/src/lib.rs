@@ -20,6 +20,7 @@ mod expansion;
 mod facts;
 mod framing;
 mod glossary;
+mod ground;
 mod import;
 mod items;
 mod kind;

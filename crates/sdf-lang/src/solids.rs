@@ -5,6 +5,7 @@ use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval, name_shape};
 use crate::facts::{corner_number, room};
 use crate::value::{Fields, Number, Shape, ShapeKind, Thunk, Value};
+use sdf_ir::region::Extent;
 use sdf_syntax::Span;
 use sdf_syntax::tree::Dimension;
 use std::rc::Rc;
@@ -14,6 +15,10 @@ use std::sync::Arc;
 pub(crate) struct Solids<'t> {
     /// Those whose fields are affine.
     half_spaces: Vec<Rc<Shape<'t>>>,
+    /// The half spaces that some of the others are outside of the box.
+    grounds: Vec<Rc<Shape<'t>>>,
+    /// The box of the others.
+    extent: Extent,
     /// The union of the others, if there are any.
     rest: Option<Rc<Shape<'t>>>,
     /// The union of all, in the order of the source.
@@ -42,14 +47,26 @@ impl<'t> Elaborator<'t> {
         };
         let all = |wanted: bool| entries.iter().filter(|e| e.1 == wanted).map(|e| e.0.clone()).collect();
         let (half_spaces, rest): (Vec<_>, Vec<_>) = (all(true), all(false));
+        let (mut grounds, mut extent) = (Vec::new(), Extent::NONE);
+        for shape in &rest {
+            let own = match self.ground(shape)? {
+                Some(ground) => {
+                    grounds.push(ground.rest);
+                    ground.extent
+                }
+                None => self.extent_of(shape, 0.0)?,
+            };
+            extent = extent.union(&own);
+        }
         const MAP: &str = "The distance from a point to the scene.";
         if half_spaces.is_empty() {
             let map = named(rest, "map", MAP);
             let Value::Shape(shape) = &map else { unreachable!("a shape was named") };
-            return Ok(Solids { half_spaces, rest: Some(shape.clone()), map });
+            return Ok(Solids { half_spaces, grounds, extent, rest: Some(shape.clone()), map });
         }
         if rest.is_empty() {
-            return Ok(Solids { map: named(half_spaces.clone(), "map", MAP), half_spaces, rest: None });
+            let map = named(half_spaces.clone(), "map", MAP);
+            return Ok(Solids { half_spaces, grounds, extent, rest: None, map });
         }
         let solids = named(rest, "solids", "The distance from a point to what is not a half space.");
         let Value::Shape(solids) = solids else { unreachable!("a shape was named") };
@@ -61,10 +78,11 @@ impl<'t> Elaborator<'t> {
         if entries[first..=last].iter().all(|e| !e.1) {
             parts.splice(first..=last, [solids.clone()]);
         }
-        Ok(Solids { half_spaces, rest: Some(solids), map: named(parts, "map", MAP) })
+        Ok(Solids { half_spaces, grounds, extent, rest: Some(solids), map: named(parts, "map", MAP) })
     }
 
-    /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `solids`, the union of the others,
+    /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `grounds`, those that solids are
+    /// outside of the box, if it is `grounded` on any; `solids`, the union of the others,
     /// unless it is `hollow`, and its box from `lo` to `hi`, if it is `bounded`; whether its field is `steep` and steps are
     /// `relaxed`; whether the eye may be `inside`; and whether its distances are `exact`, so that a small one means
     /// a surface near by.
@@ -83,11 +101,15 @@ impl<'t> Elaborator<'t> {
         let relaxed = record("render").get("relax").is_some_and(Value::is_true);
         let slope = self.slope_of(&rest)?;
         let is_exact = slope.quality == Some(Quality::Exact);
-        let corners = self.corners(&rest)?;
+        let corners = corners(&solids.extent);
         let [lo, hi] = corners.clone().unwrap_or_else(|| [Number::float(0.0), Number::float(0.0)]);
-        let planes = solids.half_spaces.iter().map(|shape| Value::Shape(shape.clone()));
+        let list = |shapes: &[Rc<Shape<'t>>]| {
+            Value::list(shapes.iter().map(|shape| Value::Shape(shape.clone())).collect())
+        };
         Ok(vec![
-            (Arc::from("planes"), Value::list(planes.collect())),
+            (Arc::from("planes"), list(&solids.half_spaces)),
+            (Arc::from("grounds"), list(&solids.grounds)),
+            (Arc::from("grounded"), Value::bool(!solids.grounds.is_empty())),
             (Arc::from("hollow"), Value::bool(solids.rest.is_none())),
             (Arc::from("bounded"), Value::bool(corners.is_some())),
             (Arc::from("lo"), Value::Number(lo)),
@@ -101,7 +123,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// Whether a shape's field is affine. What is bounded has none.
-    fn is_half_space(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+    pub fn is_half_space(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
         if self.extent_of(shape, 0.0)?.is_bounded() {
             return Ok(false);
         }
@@ -120,14 +142,13 @@ impl<'t> Elaborator<'t> {
             _ => Ok(true),
         }
     }
+}
 
-    /// The corners of the box that a shape lies in, far away where it has no end; nothing if it has none at all.
-    fn corners(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<[Number; 2]>> {
-        let extent = self.extent_of(shape, 0.0)?;
-        let extent = extent.grown(room(&extent));
-        let corner = |corner| corner_number(corner, Dimension::Three);
-        Ok((!extent.is_everything()).then(|| [corner(extent.lo), corner(extent.hi)]))
-    }
+/// The corners of the box that shapes lie in, far away where it has no end; nothing if it has none at all.
+fn corners(extent: &Extent) -> Option<[Number; 2]> {
+    let extent = extent.grown(room(extent));
+    let corner = |corner| corner_number(corner, Dimension::Three);
+    (!extent.is_everything()).then(|| [corner(extent.lo), corner(extent.hi)])
 }
 
 pub(crate) fn union_of<'t>(shapes: Vec<Rc<Shape<'t>>>, place: Span) -> Rc<Shape<'t>> {

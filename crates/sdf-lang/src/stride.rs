@@ -246,6 +246,9 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<Option<Number>> {
         let Some(Beside { extent, rest }) = self.beside(shape, 0.0, point)? else { return Ok(None) };
+        if extent.is_empty() {
+            return Ok(None);
+        }
         let (outside, to_box) = self.outside_of(&extent, point, span)?;
         let rest = self.safe_step(&rest, point, span)?;
         let from_inside = self.unary(Unary::Negate, &to_box, span)?;

@@ -81,6 +81,50 @@ impl<'t> Elaborator<'t> {
         band: f64,
         size: f64,
     ) -> Eval<Option<f64>> {
+        self.level_from(shape, samples, band, size, |run, level, cell| {
+            let field = run(level, cell, None);
+            let value = field.bounds.number();
+            field.norm() > 0.0 && value.lo <= band && value.hi >= -band
+        })
+    }
+
+    /// From how far on a field is one of the distances that it samples, the only one that is not of a shape with a box: a
+    /// level as that of [`influence`](Self::influence), for a field that is that distance without the other shapes.
+    pub fn plain_beyond(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        samples: &[Steep],
+        band: f64,
+        size: f64,
+    ) -> Eval<Option<f64>> {
+        if samples.iter().filter(|steep| **steep != Steep::Whole).count() != 1 {
+            return Ok(None);
+        }
+        self.level_from(shape, samples, band, size, |run, level, cell| {
+            let [own] = cell else { return true };
+            let field = run(level, cell, None);
+            let value = field.bounds.number();
+            if value.lo > band && own.lo > band || value.hi < -band && own.hi < -band {
+                return false;
+            }
+            // It depends on this distance alone, changes as that does, and is 0 with it.
+            let rate = run(level, cell, Some(0)).slopes.gradients()[0][0];
+            let at_surface = run(level, &[Interval::ZERO], None).bounds.number();
+            field.norm() > 0.0 || rate != Interval::ONE || at_surface != Interval::ZERO
+        })
+    }
+
+    /// The least level, up to some times `size`, from which on something may hold for no values of the samples that are not
+    /// steep as a whole. `may_hold` is told how to run the field over such values where all steep shapes are farther away
+    /// than a level, with the derivative by one of them if it asks for that.
+    fn level_from(
+        &mut self,
+        shape: &Rc<Shape<'t>>,
+        samples: &[Steep],
+        band: f64,
+        size: f64,
+        may_hold: impl Fn(&mut dyn FnMut(f64, &[Interval], Option<usize>) -> Sloped, f64, &[Interval]) -> bool,
+    ) -> Eval<Option<f64>> {
         let others = samples.iter().filter(|steep| **steep != Steep::Whole).count();
         let Some(formula) = self.formula(shape)? else { return Ok(None) };
         if others == 0 || others > MOST_OTHERS || formula.samples.len() != samples.len() {
@@ -89,31 +133,23 @@ impl<'t> Elaborator<'t> {
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
         let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
-        // The cells are of what the samples would be without the steep shapes.
-        let mut matters = |level: f64, cell: &[Interval]| {
-            let mut others = cell.iter();
+        let mut run = |level: f64, cell: &[Interval], by: Option<usize>| {
+            let mut others = cell.iter().enumerate();
             for (sample, steep) in formula.samples.iter().zip(samples) {
                 let other = if *steep == Steep::Whole { None } else { others.next() };
                 arguments[sample.argument] = match other {
-                    Some(d) if *steep == Steep::Nothing || d.lo >= -level && d.hi <= level => {
-                        Sloped::steady(Bounds::float(*d))
-                    }
-                    Some(d) => {
-                        let least = if d.lo > -level { d.lo.min(level) } else { -FARTHEST };
-                        let most = if d.hi < level { d.hi.max(-level) } else { FARTHEST };
-                        Sloped::within(distances(least, most), 1.0)
-                    }
+                    Some((i, d)) if by == Some(i) => Sloped::point(Bounds::float(*d)),
+                    Some((_, d)) => without_steep(*steep, *d, level),
+                    None if by.is_some() => Sloped::steady(distances(level, FARTHEST)),
                     None => Sloped::within(distances(level, FARTHEST), 1.0),
                 };
             }
-            let field = inner.run(&arguments)[0];
-            let value = field.bounds.number();
-            field.norm() > 0.0 && value.lo <= band && value.hi >= -band
+            inner.run(&arguments)[0]
         };
         let size = size.max(band);
         let mut is_enough = |exponent: i32| {
             let level = size * f64::from(exponent).exp2();
-            holds_nowhere(others, size, |cell| matters(level, cell))
+            holds_nowhere(others, size, |cell| may_hold(&mut run, level, cell))
         };
         let [mut least, mut most] = LEVELS;
         if !is_enough(most) {
@@ -125,6 +161,17 @@ impl<'t> Elaborator<'t> {
         }
         Ok(Some(size * f64::from(most).exp2()))
     }
+}
+
+/// A distance that is in `d` without the steep shapes in it, where those are farther away than `level`: they do not matter
+/// to it if it is at most that either way, and else it is beyond that on the same side.
+fn without_steep(steep: Steep, d: Interval, level: f64) -> Sloped {
+    if steep == Steep::Nothing || d.lo >= -level && d.hi <= level {
+        return Sloped::steady(Bounds::float(d));
+    }
+    let least = if d.lo > -level { d.lo.min(level) } else { -FARTHEST };
+    let most = if d.hi < level { d.hi.max(-level) } else { FARTHEST };
+    Sloped::within(distances(least, most), 1.0)
 }
 
 /// A formula as a function of its samples; and the arguments that it has besides, whatever they are at any point.

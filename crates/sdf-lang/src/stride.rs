@@ -162,6 +162,10 @@ impl<'t> Elaborator<'t> {
     /// The shape that a field shows elsewhere, and the point as that shape sees it: one that is only moved, turned or
     /// mirrored, of which a step there is a step here, or one that is drawn larger or smaller.
     fn moved(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<Moved<'t>>> {
+        // What a contract says of the slope it says of the whole.
+        if self.stated(shape).is_some_and(|stated| stated.contract.slope.is_some()) {
+            return Ok(None);
+        }
         let ShapeKind::Field { block, env, .. } = &shape.kind else {
             return match &shape.kind {
                 ShapeKind::Named { inner, .. } => self.moved(inner, point),

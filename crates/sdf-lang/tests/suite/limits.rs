@@ -190,23 +190,45 @@ fn a_look_ahead_refuses_nothing_else() {
 /// A call with the same arguments is carried out once, so these take as many calls as they are deep.
 #[test]
 fn equal_calls_are_carried_out_once() {
-    let texts = [
-        "fn fib(n) = if n < 2 { n } else { fib(n - 1) + fib(n - 2) } fn ball(n) = sphere(fib(n) * 1e-9)
-         scene { ball(40) }"
-            .to_string(),
-        "fn g(n) = if n == 0 { x } else { g(n - 1) + g(n - 1) + g(n - 1) } scene { sphere(g(30).x) }".into(),
-        "fn g(n, a) = if n == 0 { a } else { g(n - 1, a) + g(n - 1, a) } scene { field { length(p) - 1e-19 * g(60, p.x) } }"
-            .into(),
-        "let f = |g, n| if n == 0 { 1 } else { g(g, n - 1) * g(g, n - 1) } scene { sphere(f(f, 40)) }".into(),
-        definitions("let r0 = 1\n", |i| format!("let r{} = (a: r{i}, b: r{i})\n", i + 1))
-            + "fn one(r) = 1 scene { sphere(one(r30)) }",
+    let texts: [fn(u32) -> String; 5] = [
+        |n| {
+            format!(
+                "fn fib(n) = if n < 2 {{ n }} else {{ fib(n - 1) + fib(n - 2) }} fn ball(n) = sphere(fib(n) * 1e-9)
+                 scene {{ ball({n}) }}"
+            )
+        },
+        |n| {
+            format!(
+                "fn g(n) = if n == 0 {{ x }} else {{ g(n - 1) + g(n - 1) + g(n - 1) }} scene {{ sphere(g({n}).x) }}"
+            )
+        },
+        |n| {
+            format!(
+                "fn g(n, a) = if n == 0 {{ a }} else {{ g(n - 1, a) + g(n - 1, a) }}
+                 scene {{ field {{ length(p) - 1e-19 * g({n}, p.x) }} }}"
+            )
+        },
+        |n| {
+            format!(
+                "let f = |g, n| if n == 0 {{ 1 }} else {{ g(g, n - 1) * g(g, n - 1) }} scene {{ sphere(f(f, {n})) }}"
+            )
+        },
+        |n| {
+            let records = (0..n).map(|i| format!("let r{} = (a: r{i}, b: r{i})\n", i + 1));
+            format!(
+                "let r0 = 1\n{}fn one(r) = 1 scene {{ sphere(one(r{n})) }}",
+                records.collect::<String>()
+            )
+        },
     ];
-    // Beside what the renderer takes.
-    let plain = compile("scene { sphere(1) }", &[]).work;
     for text in texts {
-        let compilation = compile(&text, &[]);
-        assert!(compilation.diagnostics.is_empty(), "{text}: {:#?}", compilation.diagnostics);
-        assert!(compilation.work - plain < 10_000, "{text}: {} and {plain}", compilation.work);
+        let [half, whole] = [20, 40].map(|n| {
+            let compilation = compile(&text(n), &[]);
+            assert!(compilation.diagnostics.is_empty(), "{}: {:#?}", text(n), compilation.diagnostics);
+            compilation.work
+        });
+        assert!(whole <= 3 * half, "{}: {half} and {whole}", text(40));
+        assert!(whole < 20_000, "{}: {whole}", text(40));
     }
 }
 

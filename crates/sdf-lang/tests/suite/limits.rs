@@ -215,10 +215,7 @@ fn equal_calls_are_carried_out_once() {
         },
         |n| {
             let records = (0..n).map(|i| format!("let r{} = (a: r{i}, b: r{i})\n", i + 1));
-            format!(
-                "let r0 = 1\n{}fn one(r) = 1 scene {{ sphere(one(r{n})) }}",
-                records.collect::<String>()
-            )
+            format!("let r0 = 1\n{}fn one(r) = 1 scene {{ sphere(one(r{n})) }}", records.collect::<String>())
         },
     ];
     for text in texts {

@@ -38,19 +38,23 @@ pub(crate) struct Zoom {
     pub rate: f64,
 }
 
+/// How a field depends on the only distance that it samples.
+struct OnlySample {
+    /// What it is where that distance is 0.
+    at_surface: Interval,
+    /// How it changes with that distance.
+    factor: Interval,
+}
+
 impl<'t> Elaborator<'t> {
     /// How a field draws the one shape that it samples larger or smaller; nothing if it does more, or gets steeper.
     pub fn zoom(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<Zoom>> {
         let Some(formula) = self.formula(shape)? else { return Ok(None) };
-        let [only] = &formula.samples[..] else { return Ok(None) };
+        let Some(OnlySample { at_surface, factor }) = self.only_sample_of(shape, &formula) else {
+            return Ok(None);
+        };
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
-        let program = &self.contexts.program;
-        let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
-        arguments[only.argument] = Sloped::steady(distances(0.0, 0.0));
-        let at_surface = inner.run(&arguments)[0].bounds.number();
-        arguments[only.argument] = Sloped::point(distances(-FARTHEST, FARTHEST));
-        let factor = inner.run(&arguments)[0].slopes.gradients()[0][0];
-        let mut outer = Walker::new(program, &formula.outer, &uniforms, &globals);
+        let mut outer = Walker::new(&self.contexts.program, &formula.outer, &uniforms, &globals);
         let anywhere = bounds_of_cell(&flat(Extent::ALL, shape.dimension), formula.ty);
         let rate = outer.run(&[Sloped::point(anywhere)]).last().map_or(f64::INFINITY, Sloped::norm);
         let is_zoom = at_surface == Interval::ZERO && factor.lo > 0.0 && rate * factor.hi <= 1.0 + ROUNDING;
@@ -61,13 +65,20 @@ impl<'t> Elaborator<'t> {
     /// it.
     pub fn grows_with_its_sample(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
         let Some(formula) = self.formula(shape)? else { return Ok(false) };
-        let [only] = &formula.samples[..] else { return Ok(false) };
+        Ok(self.only_sample_of(shape, &formula).is_some_and(|only| only.factor.lo >= 0.0))
+    }
+
+    /// How a field depends on the distance that it samples; nothing if it samples none, or several.
+    fn only_sample_of(&mut self, shape: &Rc<Shape<'t>>, formula: &Formula) -> Option<OnlySample> {
+        let [only] = &formula.samples[..] else { return None };
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
-        let (mut inner, mut arguments) = of_samples(&formula, shape.dimension, program, &uniforms, &globals);
+        let (mut inner, mut arguments) = of_samples(formula, shape.dimension, program, &uniforms, &globals);
+        arguments[only.argument] = Sloped::steady(distances(0.0, 0.0));
+        let at_surface = inner.run(&arguments)[0].bounds.number();
         arguments[only.argument] = Sloped::point(distances(-FARTHEST, FARTHEST));
-        let rate = inner.run(&arguments)[0].slopes.gradients()[0][0];
-        Ok(rate.lo >= 0.0)
+        let factor = inner.run(&arguments)[0].slopes.gradients()[0][0];
+        Some(OnlySample { at_surface, factor })
     }
 
     /// How far away the steep shapes in a field matter: a level so that, where they are farther away than that, the field is

@@ -1,6 +1,6 @@
 //! The hard cases of `tests/hard/`, each on every execution and beside its naive twin, which must fail. What came of it
 //! stands in `tests/tables/hard_cases.md`. With `HARD=long` the pictures are larger and sweeps are whole, so that a million
-//! pixels are certified, in half an hour of two processors; that stands in `tests/tables/hard_cases_long.md`.
+//! pixels are certified; that stands in `tests/tables/hard_cases_long.md`.
 //!
 //! Where the environment's `ADAPTER` names a device, the executions are the interpreter and that device alone; the tables
 //! then have its name in theirs.

@@ -34,7 +34,7 @@ pub enum Effort {
 }
 
 /// See [`Effort::Long`].
-pub const LONG_SCALE: u32 = 3;
+pub const LONG_SCALE: u32 = 4;
 
 /// A file.
 #[derive(Debug, Clone, PartialEq)]

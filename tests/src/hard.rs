@@ -3,7 +3,7 @@
 //!
 //! A [`Fixture`] is a file and what its head says; its [`Subject`](fixture::Subject)s are scenes with values filled in. An
 //! [`Execution`] runs a subject's probe for all pixels of a [`Frame`](sdf_render::Frame). What it shows is judged
-//! ([`Score`](score::Score)); the same is done with the naive [`twin`] of a case, which must fail.
+//! ([`Score`]); the same is done with the naive [`twin`] of a case, which must fail.
 
 pub mod execution;
 pub mod fixture;

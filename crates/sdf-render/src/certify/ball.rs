@@ -219,18 +219,25 @@ impl Ball<'_, '_> {
     }
 
     /// Whether the field vanishes, up to rounding, where Newton's method leads from the centre, which is in the ball. At a
-    /// sheet without thickness, which the ball may reach at its rim alone, the field has one sign on all sides.
+    /// sheet without thickness, which the ball may reach at its rim alone, the field has one sign on all sides. Where it is
+    /// flat, as a square is, a small value is not yet near a zero.
     fn descends(&mut self) -> bool {
         let Some(gradient) = &mut self.gradient else { return false };
         let rounding = rounding(self.center, self.radius);
         let mut place = self.center;
+        let mut sample = |place: &Vector| -> (f64, Vector) {
+            let [value, slope @ ..]: [f64; 4] = run(gradient, place);
+            (value, slope)
+        };
+        let (mut value, mut slope) = sample(&place);
         for _ in 0..DESCENTS {
-            let [value, slope @ ..]: [f64; 4] = run(gradient, &place);
             place = moved(place, slope, -value / dot(slope, slope));
             if !is_inside(place, self.center, self.radius) {
                 return false;
             }
-            if self.field.over(Bounds::between(place, place)).most() <= rounding {
+            (value, slope) = sample(&place);
+            let least = rounding * length(slope).min(1.0);
+            if value.abs() <= least && self.field.over(Bounds::between(place, place)).most() <= rounding {
                 return true;
             }
         }

@@ -539,6 +539,8 @@ pub struct Program {
     pub functions: Vec<Function>,
     /// The function that everything else is there for.
     pub entry: Option<FunctionId>,
+    /// Whether all that it measures is so small that hardware takes the squares for zero.
+    pub is_tiny: bool,
 }
 
 impl Program {

@@ -35,6 +35,7 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
         program: Program {
             uniforms: program.uniforms.clone(),
             globals: program.globals.clone(),
+            is_tiny: program.is_tiny,
             ..Program::default()
         },
         callees: program.functions.iter().map(|_| None).collect(),
@@ -250,6 +251,7 @@ fn without_unused_inputs((program, roots): Rooted) -> Rooted {
         entry: program.entry,
         frame: program.frame.filter(|_| globals.contains(&true)),
         functions: Vec::new(),
+        is_tiny: program.is_tiny,
     };
     for (index, function) in program.functions.iter().enumerate() {
         let mut function = function.clone();

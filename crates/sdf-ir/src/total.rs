@@ -96,7 +96,8 @@ pub fn legalise(program: &Program) -> Program {
     let mut ids: Vec<FunctionId> = Vec::new();
     for (i, function) in program.functions.iter().enumerate() {
         let id = FunctionId(i as u32);
-        let raise = Raise { function: id, ranges: &ranges, ids: &ids, target: &target };
+        let is_tiny = program.is_tiny;
+        let raise = Raise { function: id, is_tiny, ranges: &ranges, ids: &ids, target: &target };
         let raised = raise.function(function);
         ids.push(target.borrow_mut().program.add(raised));
     }
@@ -109,6 +110,8 @@ pub fn legalise(program: &Program) -> Program {
 /// Copies one function, with other operations in the place of some.
 struct Raise<'a> {
     function: FunctionId,
+    /// Whether squares of lengths vanish.
+    is_tiny: bool,
     ranges: &'a Ranges<'a>,
     /// What the functions before this one have become.
     ids: &'a [FunctionId],
@@ -179,7 +182,7 @@ impl Raise<'_> {
                 let a = b.max(a, zero);
                 b.unary(op, a)
             }
-            Unary::Length if !squares_fit(range) => match b.ty(a) {
+            Unary::Length if self.is_tiny || !squares_fit(range) => match b.ty(a) {
                 Type::Vec2 => self.help(b, Helper::Length2, &[a]),
                 Type::Vec3 => self.help(b, Helper::Length3, &[a]),
                 // |x| of a number overflows nowhere.

@@ -36,7 +36,7 @@ pub(crate) fn elaborate(
     let scene =
         scene.ok().filter(|_| !diagnostics.iter().any(|d| d.severity() == Severity::Error)).map(|made| {
             let mut program = contexts.into_program();
-            program.entry = Some(made.pixel);
+            (program.entry, program.is_tiny) = (Some(made.pixel), made.is_tiny);
             let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
             let certified = made.certificate.map_or(Vec::new(), |c| vec![c.ray, c.step]);
             let roots: Vec<_> =
@@ -94,6 +94,7 @@ struct Made {
     query: Option<Query>,
     certificate: Option<Certificate>,
     summary: Summary,
+    is_tiny: bool,
 }
 
 impl<'t> Elaborator<'t> {
@@ -122,7 +123,7 @@ impl<'t> Elaborator<'t> {
         let origin = self.find_origin(&settings);
         let query = match origin {
             Some(_) if options.query => {
-                let (scene, _) = self.renderer(&shapes, settings.clone(), None, place)?;
+                let (scene, ..) = self.renderer(&shapes, settings.clone(), None, place)?;
                 Some(self.query(&scene)?)
             }
             _ => None,
@@ -132,7 +133,7 @@ impl<'t> Elaborator<'t> {
             Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
-        let (scene, map) = self.renderer(&shapes, settings, options.view, place)?;
+        let (scene, map, is_tiny) = self.renderer(&shapes, settings, options.view, place)?;
         let lit = options.view.is_none_or(View::is_lit);
         let summary = self.summary(&scene, count, lit);
         let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
@@ -150,19 +151,19 @@ impl<'t> Elaborator<'t> {
             _ => None,
         };
         let origin = self.origin.unwrap_or_default().to_array();
-        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, summary })
+        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, summary, is_tiny })
     }
 
-    /// The record that the renderer takes, and the scene as a shape.
+    /// The record that the renderer takes, the scene as a shape, and whether all that is marched to is tiny.
     fn renderer(
         &mut self,
         shapes: &[Rc<Shape<'t>>],
         settings: Vec<(Arc<str>, Value<'t>)>,
         view: Option<View>,
         place: Span,
-    ) -> Eval<(Value<'t>, Value<'t>)> {
+    ) -> Eval<(Value<'t>, Value<'t>, bool)> {
         let solids = self.solids(shapes, place)?;
-        let map = solids.map.clone();
+        let (map, is_tiny) = (solids.map.clone(), solids.are_tiny());
         let glows = self.glows(shapes)?;
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
@@ -175,7 +176,7 @@ impl<'t> Elaborator<'t> {
         if view == Some(View::Depth) {
             fields.push((Arc::from("ball"), self.ball_record()));
         }
-        Ok((Value::record(fields), map))
+        Ok((Value::record(fields), map, is_tiny))
     }
 
     /// Whether the distance to a shape is the same everywhere, so that it has no surface.

@@ -25,6 +25,18 @@ pub(crate) struct Solids<'t> {
     pub map: Value<'t>,
 }
 
+/// From what size on scenes are measured as they are: of smaller ones hardware may take the squares of what a pixel shows,
+/// some 1e-5 of them, for zero.
+const TINY: f64 = 1e-13;
+
+impl Solids<'_> {
+    /// Whether what is marched to is so small, and so near to the origin, that hardware takes squares for zero.
+    pub fn are_tiny(&self) -> bool {
+        let corners = [self.extent.lo, self.extent.hi];
+        self.rest.is_some() && corners.iter().flatten().all(|x| x.abs() < TINY)
+    }
+}
+
 impl<'t> Elaborator<'t> {
     /// Tells the shapes of a scene apart.
     pub fn solids(&mut self, shapes: &[Rc<Shape<'t>>], place: Span) -> Eval<Solids<'t>> {

@@ -117,7 +117,7 @@ impl Helper {
             Helper::Power => "|x| to the power of y, with the sign of an odd whole power, never infinite.",
             Helper::Quotient => "x / y, with the largest number for x / 0, and 0 for 0 / 0.",
             Helper::Remainder => "x - y * floor(x / y), and 0 where y is 0.",
-            Helper::Length2 | Helper::Length3 => "The length of a vector, never infinite.",
+            Helper::Length2 | Helper::Length3 => "The length of a vector, however large or small.",
             Helper::Direction2 | Helper::Direction3 => "The vector with length 1, and zero for zero.",
         }
     }

@@ -1,6 +1,7 @@
 //! The files of `tests/hard/`. Above a file's scene, comments say what is hard about it and then, each on a line of its own:
 //!
 //! * `// each: NAME = A, B`: the case is one scene for each value, which a param of that name is frozen to;
+//! * `// no larger: NAME = A, B`: values more, with which larger pictures would show what numbers cannot tell;
 //! * `// frames: NAME = A, B`: each scene is drawn with each value of a param, or of `time`, as a uniform;
 //! * `// sweep: NAME = A..B in N`: the same with N values, evenly spaced, both ends included;
 //! * `// size: WxH, WxH`: the pictures' sizes, instead of [`SIZE`];
@@ -45,6 +46,8 @@ pub struct Fixture {
     pub text: String,
     /// The param that is frozen and its values, as written.
     pub each: Option<(String, Vec<String>)>,
+    /// How many of the values, the last ones, are for pictures of these sizes alone.
+    pub no_larger: usize,
     /// The uniform that differs from frame to frame and its values.
     pub frames: Option<(String, Vec<f64>)>,
     /// Widths and heights.
@@ -92,6 +95,8 @@ pub struct Subject {
     pub truth: String,
     /// The param that is frozen, with its value.
     pub set: Vec<(String, String)>,
+    /// Whether larger pictures have no truth.
+    pub no_larger: bool,
 }
 
 /// The folder of the files.
@@ -119,6 +124,7 @@ impl Fixture {
             name: name.to_owned(),
             text: String::new(),
             each: None,
+            no_larger: 0,
             frames: None,
             sizes: vec![SIZE],
             ambiguous: AMBIGUOUS,
@@ -147,6 +153,13 @@ impl Fixture {
             "each" => {
                 let (name, values) = value.split_once(" = ")?;
                 self.each = Some((name.to_owned(), list(values)));
+            }
+            "no larger" => {
+                let (name, values) = value.split_once(" = ")?;
+                let (_, all) = self.each.as_mut().filter(|(each, _)| each == name)?;
+                let values = list(values);
+                self.no_larger = values.len();
+                all.extend(values);
             }
             "frames" => {
                 let (name, values) = value.split_once(" = ")?;
@@ -199,24 +212,29 @@ impl Fixture {
     pub fn subjects(&self) -> Vec<Subject> {
         let written = folder().join("truth").join(&self.name).with_extension("sdf");
         let truth = std::fs::read_to_string(written).unwrap_or_else(|_| self.text.clone());
-        let subject = |name, set| Subject { name, text: self.text.clone(), truth: truth.clone(), set };
-        match &self.each {
-            None => vec![subject(self.name.clone(), Vec::new())],
-            Some((param, values)) => {
-                let of = |value: &String| {
-                    subject(format!("{}, {param} = {value}", self.name), vec![(param.clone(), value.clone())])
-                };
-                values.iter().map(of).collect()
-            }
-        }
+        let subject = |name, set, no_larger| Subject {
+            name,
+            text: self.text.clone(),
+            truth: truth.clone(),
+            set,
+            no_larger,
+        };
+        let Some((param, values)) = &self.each else {
+            return vec![subject(self.name.clone(), Vec::new(), false)];
+        };
+        let larger = values.len() - self.no_larger;
+        let of = |(i, value): (usize, &String)| {
+            let name = format!("{}, {param} = {value}", self.name);
+            subject(name, vec![(param.clone(), value.clone())], i >= larger)
+        };
+        values.iter().enumerate().map(of).collect()
     }
 
     /// The frames that each scene is drawn as.
     pub fn frames(&self, effort: Effort) -> Vec<Frame> {
-        let (scale, every) = match (effort, self.is_sweep) {
-            (Effort::Short, is_sweep) => (1, if is_sweep { 10 } else { 1 }),
-            (Effort::Long, is_sweep) => (if is_sweep { 1 } else { LONG_SCALE }, 1),
-        };
+        let is_larger = effort == Effort::Long && !self.is_sweep;
+        let scale = if is_larger { LONG_SCALE } else { 1 };
+        let every = if effort == Effort::Short && self.is_sweep { 10 } else { 1 };
         let plain = self.sizes.iter().map(|[width, height]| Frame::new(width * scale, height * scale));
         let Some((name, values)) = &self.frames else { return plain.collect() };
         let with = |frame: Frame| {

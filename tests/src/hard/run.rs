@@ -67,22 +67,14 @@ impl Outcome {
     ) {
         let scene = subject.scene(&[]);
         let program = legalised(&scene.program, scene.probe.expect("a scene with a probe"));
-        let frames = fixture.frames(effort);
         let truth = subject.truth();
-        let mut truths: Vec<Certified> = frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
-        let mut judged = |execution: &Execution, program: &Program, frames: &[Frame], change: Change| {
-            let every = match execution {
-                Execution::Interpreter => 1,
-                _ => frames.len().div_ceil(DRIVER_FRAMES),
-            };
-            let some = frames.iter().zip(&mut truths).rev().step_by(every);
-            let score = |(frame, truth): (&Frame, &mut Certified)| {
-                execution.buffers(program, frame, change).map(|seen| truth.score(fixture, &seen))
-            };
-            some.map(score).try_fold(Score::default(), |sum, score| Ok::<_, String>(sum.joined(score?)))
-        };
+        let certified = |frames: &[Frame]| frames.iter().map(|frame| Certified::of(&truth, frame)).collect();
+        let effort = if subject.no_larger { Effort::Short } else { effort };
+        let mut frames = fixture.frames(effort);
+        let mut truths: Vec<Certified> = certified(&frames);
         for (execution, (name, sum)) in executions.iter().zip(&mut self.scores) {
-            let score = judged(execution, &program, &frames, |kernel| kernel).unwrap_or_else(|said| {
+            let score = judged(fixture, execution, &program, &frames, &mut truths, |kernel| kernel);
+            let score = score.unwrap_or_else(|said| {
                 self.complaints += &format!("{}, {name}: it does not run: {said}\n", subject.name);
                 Score::default()
             });
@@ -98,15 +90,40 @@ impl Outcome {
             *sum = std::mem::take(sum).joined(score);
         }
         if let (Some((twin, execution)), Some(sum)) = (twin, &mut self.twin) {
+            // A twin shows what the case is about in pictures as large as the file says.
+            if effort == Effort::Long {
+                frames = fixture.frames(Effort::Short);
+                truths = certified(&frames);
+            }
             let (subject, frames) =
                 if twin.frozen { (subject.clone(), frames.clone()) } else { subject.thawed(&frames) };
             let program = twin_program(&subject.scene(&twin.replaced), twin);
-            match judged(&executions[*execution], &program, &frames, twin.shader) {
+            match judged(fixture, &executions[*execution], &program, &frames, &mut truths, twin.shader) {
                 Ok(score) => *sum = std::mem::take(sum).joined(score),
                 Err(said) => self.complaints += &format!("{}, its twin: {said}\n", subject.name),
             }
         }
     }
+}
+
+/// What an execution of a program shows of frames of which this is the truth.
+fn judged(
+    fixture: &Fixture,
+    execution: &Execution,
+    program: &Program,
+    frames: &[Frame],
+    truths: &mut [Certified],
+    change: Change,
+) -> Result<Score, String> {
+    let every = match execution {
+        Execution::Interpreter => 1,
+        _ => frames.len().div_ceil(DRIVER_FRAMES),
+    };
+    let some = frames.iter().zip(truths).rev().step_by(every);
+    let score = |(frame, truth): (&Frame, &mut Certified)| {
+        execution.buffers(program, frame, change).map(|seen| truth.score(fixture, &seen))
+    };
+    some.map(score).try_fold(Score::default(), |sum, score| Ok(sum.joined(score?)))
 }
 
 /// What is wrong with a twin, if anything: it must fail where the case does not, in the same scenes and views.

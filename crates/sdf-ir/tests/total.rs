@@ -56,6 +56,24 @@ fn a_vector_that_is_never_short_is_normalised_by_basic_operations() {
     assert!((found[1][0] - 0.5f32.sqrt()).abs() < 1e-7);
 }
 
+/// The length of a vector whose squares are as good as nothing: right in a program of tiny things, and the naive twin, the
+/// same program without the word, is far off.
+#[test]
+fn tiny_vectors_have_lengths_in_tiny_programs() {
+    let write = |b: &mut Builder, v: &[Value]| b.unary(Unary::Length, v[0]);
+    let mut program = program(vec![parameter("v", Type::Vec3, true)], write);
+    let sizes = [1e-18f32, 1e-20, 1e-23, 1e-30];
+    let sides = [2.0, 3.0, 6.0].map(|side| sizes.map(|size| side * size));
+    let columns: Vec<&[f32]> = sides.iter().map(<[f32; 4]>::as_slice).collect();
+    let worst = |program: &Program| {
+        let found = run(program, &columns).remove(0);
+        found.iter().zip(sizes).map(|(length, size)| (length / (7.0 * size) - 1.0).abs()).fold(0.0, f32::max)
+    };
+    assert!(worst(&program) > 0.9, "{}", worst(&program));
+    program.is_tiny = true;
+    assert!(worst(&program) < 1e-6, "{}", worst(&program));
+}
+
 /// The edges of domains and of the range of numbers, with their neighbours, of both signs.
 fn edges() -> Vec<f32> {
     let mut edges =

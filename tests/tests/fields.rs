@@ -117,6 +117,19 @@ fn nothing_is_infinite_at_nasty_points() {
     assert!(complaints.is_empty(), "{complaints}");
 }
 
+/// The naive twin: without what makes operations total, fields and gradients are not finite at these points.
+#[test]
+fn unguarded_operations_are_infinite_at_nasty_points() {
+    let points = nasty_points();
+    let is_infinite = |program: &Program| run::<f32>(program, &points).iter().flatten().any(|x| !x.is_finite());
+    let names = |program: fn(&Field) -> &Program| -> Vec<String> {
+        fields().into_iter().filter(|(_, field)| is_infinite(program(field))).map(|(name, _)| name).collect()
+    };
+    let (distances, gradients) = (names(|field| &field.distance), names(|field| &field.gradient));
+    println!("not finite: {} distances, {} gradients", distances.len(), gradients.len());
+    assert!(distances.len() > 10 && gradients.len() > 10, "{distances:?} {gradients:?}");
+}
+
 #[test]
 fn the_lanes_compute_what_the_language_means() {
     let (mut table, mut complaints) = (String::from(HEAD), String::new());

@@ -121,7 +121,8 @@ fn nothing_is_infinite_at_nasty_points() {
 #[test]
 fn unguarded_operations_are_infinite_at_nasty_points() {
     let points = nasty_points();
-    let is_infinite = |program: &Program| run::<f32>(program, &points).iter().flatten().any(|x| !x.is_finite());
+    let is_infinite =
+        |program: &Program| run::<f32>(program, &points).iter().flatten().any(|x| !x.is_finite());
     let names = |program: fn(&Field) -> &Program| -> Vec<String> {
         fields().into_iter().filter(|(_, field)| is_infinite(program(field))).map(|(name, _)| name).collect()
     };

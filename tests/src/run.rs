@@ -79,6 +79,22 @@ impl Kernel {
         Kernel { language, text, input, invocations, width: results.iter().map(|ty| ty.size()).sum() }
     }
 
+    /// The same in WGSL with an expression in the place of a function, where it has one of this name: `0` and `1` in braces
+    /// stand for its parameters.
+    pub fn with_bare(self, function: &str, expression: &str) -> Kernel {
+        let head = format!("fn {function}(");
+        let Some((before, rest)) = self.text.split_once(&head) else { return self };
+        let (parameters, rest) = rest.split_once(')').expect("an end of the parameters");
+        let (result, rest) = rest.split_once('{').expect("a body");
+        let (_, after) = rest.split_once("\n}\n").expect("an end of the function");
+        let names = parameters.split(", ").map(|parameter| parameter.split(':').next().expect("a name"));
+        let value = names
+            .enumerate()
+            .fold(expression.to_owned(), |text, (i, name)| text.replace(&format!("{{{i}}}"), name));
+        let text = format!("{before}{head}{parameters}){result}{{ return {value}; }}\n{after}");
+        Kernel { text, ..self }
+    }
+
     /// The columns that it leaves on a device, as bits.
     pub fn on_device(&self, gpu: &Gpu) -> Vec<Vec<u32>> {
         let output = self.words_on(gpu).unwrap_or_else(|error| panic!("{error}\n{}", self.text));

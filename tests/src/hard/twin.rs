@@ -43,14 +43,9 @@ impl Twin {
 
 /// A shader in WGSL that asks the driver for the sine and the cosine, whatever the angle.
 fn with_bare_sines(kernel: Kernel) -> Kernel {
-    let (before, function) =
-        kernel.text.split_once("fn sine_cosine(").expect("a shader in WGSL that turns something");
-    let (angle, _) = function.split_once(':').expect("a parameter with a type");
-    let (_, after) = function.split_once("\n}\n").expect("an end of the function");
-    let bare =
-        format!("fn sine_cosine({angle}: f32) -> vec2f {{ return vec2f(sin({angle}), cos({angle})); }}\n");
-    let text = [before, &bare, after].concat();
-    Kernel { text, ..kernel }
+    let bare = kernel.clone().with_bare("sine_cosine", "vec2f(sin({0}), cos({0}))");
+    assert_ne!(bare, kernel, "a shader in WGSL that turns something");
+    bare
 }
 
 /// The files of a twin's folder, put into the compiler's.

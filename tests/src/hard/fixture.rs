@@ -35,7 +35,7 @@ pub enum Effort {
 }
 
 /// See [`Effort::Long`].
-pub const LONG_SCALE: u32 = 4;
+pub const LONG_SCALE: u32 = 3;
 
 /// A file.
 #[derive(Debug, Clone, PartialEq)]

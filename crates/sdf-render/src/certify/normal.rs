@@ -33,12 +33,13 @@ impl Prover<'_> {
     }
 
     /// The least angle, in degrees, between a vector and the normals in a ball round a place on a crease: from the nearest of
-    /// all over the ball, a search closer and closer round the nearest so far.
+    /// all over the ball, a search closer and closer round the nearest so far. Close beside an edge normals turn from those of
+    /// one side to those of the other within a sliver of the ball, which the first places must find.
     pub(super) fn least_angle(&mut self, center: Vector, radius: f64, found: Vector) -> f64 {
         let (mut best, mut least) = (center, 180.0);
         let mut reach = radius;
-        for _ in 0..ROUNDS {
-            let mut places = places_in(best, reach);
+        for round in 0..ROUNDS {
+            let mut places = places_in(best, reach, if round == 0 { 1024 } else { 64 });
             places.retain(|place| length(moved(*place, center, -1.0)) <= radius);
             for place in places {
                 let angle = self.normals_at(&[place]).first().map_or(180.0, |normal| angle(*normal, found));
@@ -95,19 +96,18 @@ fn turn_of(gradient: [Interval; 3]) -> f64 {
 /// How often the search for a normal on a crease becomes closer.
 const ROUNDS: usize = 18;
 
-/// Points all over a ball: in directions along a spiral, at distances that fill it evenly (Richard Swinbank, R. James
-/// Purser, "Fibonacci grids", 2006).
-fn places_in(center: Vector, radius: f64) -> Vec<Vector> {
-    const COUNT: usize = 64;
+/// So many points all over a ball: in directions along a spiral, at distances that fill it evenly (Richard Swinbank, R. James
+/// Purser, "Fibonacci grids", 2006; Martin Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+fn places_in(center: Vector, radius: f64, count: usize) -> Vec<Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let place = |i: usize| {
-        let height = 1.0 - (2 * i + 1) as f64 / COUNT as f64;
+        let height = 1.0 - (2 * i + 1) as f64 / count as f64;
         let (across, turn) = ((1.0 - height * height).sqrt(), golden * i as f64);
         // Beside each other in direction, far from each other in distance.
-        let share = ((i * 23 % COUNT) as f64 / COUNT as f64).cbrt();
+        let share = (0.754_877_666_246_692_7 * i as f64).fract().cbrt();
         moved(center, [across * turn.cos(), height, across * turn.sin()], radius * share)
     };
-    (0..COUNT).map(place).collect()
+    (0..count).map(place).collect()
 }
 
 /// A ball's centre, and points half way out and at its surface, in the directions of a cube's faces and corners.

@@ -1,7 +1,7 @@
 //! The hard cases of which not the pictures matter but the values of fields, or what is said of a mistake. Each has its
 //! naive twin, which must fail. `tests/tables/hard_cases.md` lists them.
 
-use sdf_emit::{KernelLanguage, emit_kernel};
+use sdf_emit::{KernelLanguage, Target, emit_kernel, validate};
 use sdf_ir::Program;
 use sdf_lang::Options;
 use sdf_tests::adapter::{self, adapter};
@@ -189,7 +189,15 @@ fn drifting(points: &[Vec<f32>]) -> Vec<f64> {
     in_f64(&distance("scene { box((0.9, 0.2, 0.4)) }", None), &turned)
 }
 
-/// 32. A field of other places is told apart.
+/// A module whose field is a union of balls in one expression.
+fn one_expression(centres: &[[f64; 3]]) -> String {
+    let ball = |[x, y, z]: &[f64; 3]| format!("length(p - vec3f({x:.6}, {y:.6}, {z:.6})) - 0.02");
+    let union = centres.iter().fold("1e20".to_owned(), |union, c| format!("min({union}, {})", ball(c)));
+    format!("fn map(p: vec3f) -> f32 {{ return {union}; }}")
+}
+
+/// 32. The twin is written as one expression, as it stands in the scene: not even 256 are taken. A field of other places is
+/// told apart.
 #[test]
 fn a_union_of_twenty_thousand_is_taken() {
     let text = "scene { for i in 0..20000 { sphere(0.02).at(4 * sin(i * 0.7), 0.00015 * i - 1.5, 4 * cos(i * 0.7)) } }";
@@ -212,4 +220,8 @@ fn a_union_of_twenty_thousand_is_taken() {
     let other = distance(&text.replace("0.7", "0.7001"), None);
     assert!(largest_difference(&in_f64(&other, &points), &expected) > 1e-3);
     assert!(is_taken(&union));
+    assert_eq!(validate(Target::Wgsl, &one_expression(&centres[..64])), Ok(()));
+    let refused =
+        validate(Target::Wgsl, &one_expression(&centres[..256])).expect_err("a text that is too deep");
+    assert!(refused.message.contains("recursion"), "{refused}");
 }

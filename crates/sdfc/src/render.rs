@@ -71,8 +71,8 @@ fn legend(view: View, measured: &Measured) -> Option<String> {
             "red, green and blue are x, y and z of the normal, from -1 to 1; dark blue is nothing".into(),
         ),
         View::Steps => Some(format!(
-            "violet is no step, blue 1/16 of `steps`, teal 1/4, green 9/16, yellow all; {}",
-            of_range(&|_, most| format!("the most is {most} steps"))
+            "violet is no step, blue 1/16 of the most that may be, teal 1/4, green 9/16, yellow all; {}",
+            of_range(&|_, most| format!("the most were {most} steps"))
         )),
         View::Error => Some(format!(
             "violet is 1/1000 of the tolerance or less, blue 1/100, teal 1/10, green the tolerance, yellow 10 times \

@@ -30,7 +30,8 @@ pub const OUT_OF_STEPS: f64 = 0.001;
 pub enum Effort {
     /// Pictures of the sizes that the files say, and every tenth frame of a sweep.
     Short,
-    /// Pictures of as many times more pixels a side as [`LONG_SCALE`] says, and sweeps as a whole.
+    /// Pictures of as many times more pixels a side as [`LONG_SCALE`] says, but those of sweeps, which are whole, and of values
+    /// of which larger pictures would show nothing.
     Long,
 }
 

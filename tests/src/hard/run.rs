@@ -126,7 +126,8 @@ fn judged(
     some.map(score).try_fold(Score::default(), |sum, score| Ok(sum.joined(score?)))
 }
 
-/// What is wrong with a twin, if anything: it must fail where the case does not, in the same scenes and views.
+/// What is wrong with a twin, if anything: it must fail in the same scenes, in pictures as large as the file says, at more
+/// pixels than the case does in all.
 fn complaint_about(naive: &Naive, twin: &Score, product: &Score) -> Option<String> {
     let Naive { twin: name, fault, .. } = naive;
     let (naive, right) = (twin.count_of(fault), product.count_of(fault));

@@ -112,9 +112,18 @@ scene {{ shape, box((8, 8, 0.1)).at(1.8, 0, -9) }}"
     };
     let passing = steps("let shape = twisted");
     let plain = steps("let shape = box((0.3 * sqrt(2), 1.2, 0.3 * sqrt(2)))");
+    let sheared = steps("let shape = twisted.shear((0.1, 0))");
+    let plain_sheared = steps("let shape = box((0.3 * sqrt(2) + 0.12, 1.2, 0.3 * sqrt(2)))");
     let naive = steps(&format!("@lipschitz({PROVED})\nlet shape = field {{ twisted(p) }}"));
-    println!("{passing:.2} steps past the column, {plain:.2} past the box, {naive:.2} by the slope alone");
+    println!(
+        "{passing:.2} steps past the column, {plain:.2} past the box, {naive:.2} by the slope alone; \
+              {sheared:.2} in a shear, {plain_sheared:.2} past its box"
+    );
     assert!(passing <= 1.1 * plain, "{passing:.2} steps, and {plain:.2} past a plain box");
+    assert!(
+        sheared <= 1.1 * plain_sheared,
+        "{sheared:.2} steps past it in a shear, {plain_sheared:.2} past a plain box"
+    );
     assert!(naive >= 3.0 * passing, "{naive:.2} steps by the slope alone, and {passing:.2} with the box");
 }
 

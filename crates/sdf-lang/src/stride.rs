@@ -142,7 +142,7 @@ impl<'t> Elaborator<'t> {
                 } else {
                     None
                 };
-                let by_region = beside.is_none() && slope.has_better_region() && is_bounded;
+                let by_region = beside.is_none() && is_bounded && self.has_better_region(shape)?;
                 let constant = if slope.wild || by_region { slope.within } else { self.steepness(shape)? };
                 if constant.is_finite() && constant > VERY_STEEP {
                     self.warn(errors::very_steep(shape.place, constant));
@@ -183,6 +183,19 @@ impl<'t> Elaborator<'t> {
         let is_to_scale = zoom.factor == Interval::ONE;
         let moved = |(shape, place, _)| Moved { shape, place, rate: zoom.rate, is_to_scale };
         Ok(samples.into_iter().next().map(moved))
+    }
+
+    /// Whether a field, or a shape that it is made from, is far less steep in its region than elsewhere.
+    fn has_better_region(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
+        if self.slope_of(shape)?.has_better_region() {
+            return Ok(true);
+        }
+        for part in parts(shape) {
+            if part.steep && self.has_better_region(&part)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// How steep a field is near its surface: one that is as good as its shapes, as they are near theirs.

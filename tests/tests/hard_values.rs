@@ -196,8 +196,7 @@ fn one_expression(centres: &[[f64; 3]]) -> String {
     format!("fn map(p: vec3f) -> f32 {{ return {union}; }}")
 }
 
-/// 32. The twin is written as one expression, as it stands in the scene: not even 256 are taken. A field of other places is
-/// told apart.
+/// 32. Not even 256 shapes are taken where they are written as one expression, the twin. A field of other places is told apart.
 #[test]
 fn a_union_of_twenty_thousand_is_taken() {
     let text = "scene { for i in 0..20000 { sphere(0.02).at(4 * sin(i * 0.7), 0.00015 * i - 1.5, 4 * cos(i * 0.7)) } }";

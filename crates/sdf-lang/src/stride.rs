@@ -187,15 +187,15 @@ impl<'t> Elaborator<'t> {
 
     /// Whether a field, or a shape that it is made from, is far less steep in its region than elsewhere.
     fn has_better_region(&mut self, shape: &Rc<Shape<'t>>) -> Eval<bool> {
-        if self.slope_of(shape)?.has_better_region() {
-            return Ok(true);
+        if let Some(known) = self.facts.has_better_region(shape) {
+            return Ok(known);
         }
+        let mut is_better = self.slope_of(shape)?.has_better_region();
         for part in parts(shape) {
-            if part.steep && self.has_better_region(&part)? {
-                return Ok(true);
-            }
+            is_better = is_better || part.steep && self.has_better_region(&part)?;
         }
-        Ok(false)
+        self.facts.keep_better_region(shape, is_better);
+        Ok(is_better)
     }
 
     /// How steep a field is near its surface: one that is as good as its shapes, as they are near theirs.

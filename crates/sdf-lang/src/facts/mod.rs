@@ -69,6 +69,7 @@ pub(crate) struct Facts<'t> {
     formulas: HashMap<*const (), Option<Rc<Formula>>>,
     parts_behind: HashMap<*const (), Vec<Rc<Shape<'t>>>>,
     steep_parts: HashMap<*const (), Extent>,
+    better_regions: HashMap<*const (), bool>,
     /// The shapes whose places are keys: as long as they are kept, no other shape gets their places.
     kept: Vec<Rc<Shape<'t>>>,
     frame: Growing,
@@ -90,6 +91,7 @@ impl<'t> Facts<'t> {
             formulas: HashMap::new(),
             parts_behind: HashMap::new(),
             steep_parts: HashMap::new(),
+            better_regions: HashMap::new(),
             kept: Vec::new(),
             frame: Growing::new(),
             open: (u32::MAX, Growing::new()),
@@ -112,6 +114,16 @@ impl<'t> Facts<'t> {
     pub fn keep_steep_parts(&mut self, shape: &Rc<Shape<'t>>, inside: Extent) {
         self.kept.push(shape.clone());
         self.steep_parts.insert(Rc::as_ptr(shape).cast(), inside);
+    }
+
+    /// Whether a shape was found to be less steep in its region, or to be made of what is.
+    pub fn has_better_region(&self, shape: &Rc<Shape<'t>>) -> Option<bool> {
+        self.better_regions.get(&Rc::as_ptr(shape).cast()).copied()
+    }
+
+    pub fn keep_better_region(&mut self, shape: &Rc<Shape<'t>>, is_better: bool) {
+        self.kept.push(shape.clone());
+        self.better_regions.insert(Rc::as_ptr(shape).cast(), is_better);
     }
 
     pub fn keep_parts_behind(&mut self, shape: &Rc<Shape<'t>>, parts: &[Rc<Shape<'t>>]) {

@@ -377,12 +377,19 @@ impl<'t> Elaborator<'t> {
                 summary.effects.push(name);
             }
         }
-        if matches!(scene.get("ambient"), Some(Value::Record(r)) if r.get("occluded").is_some_and(Value::is_true))
-        {
+        let is_called = |block, flag| matches!(scene.get(block), Some(Value::Record(r)) if r.get(flag).is_some_and(Value::is_true));
+        if is_called("ambient", "occluded") {
             summary.effects.push("occlusion");
         }
         if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
             summary.effects.push("glow");
+        }
+        for (block, flag, name) in
+            [("rim", "called", "rim light"), ("fog", "called", "fog"), ("render", "aces", "tone mapping")]
+        {
+            if is_called(block, flag) {
+                summary.effects.push(name);
+            }
         }
         summary
     }

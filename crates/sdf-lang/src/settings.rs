@@ -199,14 +199,16 @@ impl<'t> Elaborator<'t> {
         let lights = self.lights();
         let ambient = self.ambient();
         let sky = self.sky();
-        let fog = self.unbuilt_effects();
+        let fog = self.fog();
+        let rim = self.rim();
         let render = self.render_settings();
-        fog?;
         Ok(vec![
             (Arc::from("camera"), camera?),
             (Arc::from("lights"), lights?),
             (Arc::from("ambient"), ambient?),
             (Arc::from("sky"), sky?),
+            (Arc::from("fog"), fog?),
+            (Arc::from("rim"), rim?),
             (Arc::from("render"), render?),
         ])
     }
@@ -422,9 +424,8 @@ impl<'t> Elaborator<'t> {
         let (color, occlusion, radius) = (color?, occlusion?, radius?);
         let called = occlusion.known() != Some(Constant::Float(0.0))
             && color.known() != Some(Constant::Vec3([0.0; 3]));
-        let color = Number { name: Some(Arc::from("ambient_color")), ..color };
         Ok(Value::record(vec![
-            (Arc::from("color"), Value::Number(color)),
+            (Arc::from("color"), Value::Number(renamed(color, "ambient_color"))),
             (Arc::from("occluded"), Value::bool(called)),
             (Arc::from("occlusion"), Value::Number(occlusion)),
             (Arc::from("radius"), Value::Number(radius)),
@@ -474,33 +475,33 @@ impl<'t> Elaborator<'t> {
         done
     }
 
-    /// Blocks that are part of the language and that nothing draws yet.
-    fn unbuilt_effects(&mut self) -> Eval<()> {
-        let fog = self.fog();
-        let rim = self.rim();
-        fog.and(rim)
-    }
-
-    fn fog(&mut self) -> Eval<()> {
+    /// Fog, of a colour of its own or of the sky's.
+    fn fog(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Fog, "fog", FOG);
         let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
         let density = self.ranged_setting(&block, "density", Constant::Float(0.0), NOT_NEGATIVE);
-        let (_, density) = (color?, density?);
-        match density.known() {
-            Some(Constant::Float(0.0)) => Ok(()),
-            _ => self.refuse(&block, "density", "fog", "leave the block out for now"),
-        }
+        let (color, density) = (color?, density?);
+        let called = density.known() != Some(Constant::Float(0.0));
+        let colored = called && block.fields.contains_key("color");
+        Ok(Value::record(vec![
+            (Arc::from("called"), Value::bool(called)),
+            (Arc::from("colored"), Value::bool(colored)),
+            (Arc::from("color"), Value::Number(renamed(color, "fog_color"))),
+            (Arc::from("density"), Value::Number(renamed(density, "fog_density"))),
+        ]))
     }
 
-    fn rim(&mut self) -> Eval<()> {
+    fn rim(&mut self) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Rim, "rim", RIM);
         let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
         let power = self.ranged_setting(&block, "power", Constant::Float(3.0), POSITIVE);
-        let (color, _) = (color?, power?);
-        match color.known() {
-            Some(Constant::Vec3([0.0, 0.0, 0.0])) => Ok(()),
-            _ => self.refuse(&block, "color", "rim light", "leave the block out for now"),
-        }
+        let (color, power) = (color?, power?);
+        let called = color.known() != Some(Constant::Vec3([0.0; 3]));
+        Ok(Value::record(vec![
+            (Arc::from("called"), Value::bool(called)),
+            (Arc::from("color"), Value::Number(renamed(color, "rim_color"))),
+            (Arc::from("power"), Value::Number(renamed(power, "rim_power"))),
+        ]))
     }
 
     /// A setting that the emitted text keeps as a constant with a name, for a reader to change.
@@ -531,9 +532,6 @@ impl<'t> Elaborator<'t> {
         if normals != "exact" {
             self.refuse(&block, "normals", "this kind of normals", "use `exact`, which costs least")?;
         }
-        if tonemap != "none" {
-            self.refuse(&block, "tonemap", "tone mapping", "use `none` for now")?;
-        }
         if antialias > 1.0 {
             self.refuse(
                 &block,
@@ -548,6 +546,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("steps"), Value::float(steps)),
             (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(relax == "auto")),
+            (Arc::from("aces"), Value::bool(tonemap == "aces")),
         ]))
     }
 }
@@ -565,6 +564,11 @@ fn tilt_range([eye, target, up]: [&Number; 3]) -> (f64, f64) {
     let height = (eye - target).normalize_or_zero().dot(up.normalize_or_zero()).clamp(-1.0, 1.0).asin();
     let steepest = 89f64.to_radians();
     ((-steepest - height).min(0.0), (steepest - height).max(0.0))
+}
+
+/// The same number by the name that the text is to have for it, which several blocks would else share.
+fn renamed(number: Number, name: &str) -> Number {
+    Number { name: Some(Arc::from(name)), ..number }
 }
 
 fn fields<'t, const N: usize>(numbers: [(&str, Number); N]) -> Value<'t> {

@@ -171,6 +171,9 @@ fn effects_are_in_the_program_only_where_they_are_called_for() {
         ),
         ("ambient { occlusion: 1 }".into(), "ambient { occlusion: 0 }".into(), "occlusion", "occlusion"),
         ("material m { glow: (1, 0, 0) }".into(), "material m { glow: 0 }".into(), "glow", "glow"),
+        ("fog { density: 0.1 }".into(), "fog { density: 0, color: #ff0000 }".into(), "fogged", "fog"),
+        ("rim { color: 0.5 }".into(), "rim { color: 0, power: 2 }".into(), "rim_light", "rim light"),
+        ("render { tonemap: aces }".into(), "render { tonemap: none }".into(), "aces", "tone mapping"),
         (String::new(), "render { relax: none }".into(), "relaxed_step", "relaxation"),
         ("render { relax: none }".into(), String::new(), "plain_step", ""),
     ];

@@ -1,12 +1,12 @@
 //! Simplification of a whole program: what is left is called for by somebody.
 //!
 //! Each function that is reached is made anew, so that the rules see what they could not when it was built. Then
-//! parameters, functions, uniforms and globals that nobody uses go, functions that are the same become one, and
-//! calls of functions that compute nothing become what they yield. All of that is repeated until it changes
-//! nothing, so simplifying twice is simplifying once.
+//! parameters, results, functions, uniforms and globals that nobody uses go, functions that are the same become one, and
+//! results that are not computed, but numbers or the caller's own arguments, are no longer asked for. All of that is
+//! repeated until it changes nothing, so simplifying twice is simplifying once.
 
 use crate::build::Builder;
-use crate::copy::{Links, inline_whole, live};
+use crate::copy::{Links, inline_whole, live, mark_live};
 use crate::hash::MixMap;
 use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
 
@@ -30,7 +30,7 @@ type Rooted = (Program, Vec<FunctionId>);
 /// Makes every function that is reached anew.
 fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
     let fixed: Vec<FunctionId> = program.entry.iter().chain(&program.frame).chain(roots).copied().collect();
-    let reached = reached(program, &fixed);
+    let wanted = wanted(program, &fixed);
     let mut made = Rebuild {
         program: Program {
             uniforms: program.uniforms.clone(),
@@ -41,9 +41,11 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
         callees: program.functions.iter().map(|_| None).collect(),
         known: MixMap::default(),
     };
-    for (index, function) in program.functions.iter().enumerate().filter(|(index, _)| reached[*index]) {
+    for (index, (function, wanted)) in program.functions.iter().zip(wanted).enumerate() {
         let id = FunctionId(index as u32);
-        made.function(id, function, fixed.contains(&id));
+        if let Some(wanted) = wanted {
+            made.function(id, function, wanted, fixed.contains(&id));
+        }
     }
     let moved = |id: FunctionId| made.callee(id).id;
     let roots = roots.iter().copied().map(moved).collect();
@@ -51,24 +53,33 @@ fn once(program: &Program, roots: &[FunctionId]) -> Rooted {
     (Program { entry, frame, ..made.program }, roots)
 }
 
-/// Which functions the live nodes of these call, directly or not.
-fn reached(program: &Program, from: &[FunctionId]) -> Vec<bool> {
-    let mut reached = vec![false; program.functions.len()];
+/// Which results of each function these functions need, directly or not; of those that they do not call, nothing. Callers
+/// stand behind their callees.
+fn wanted(program: &Program, from: &[FunctionId]) -> Vec<Option<Vec<bool>>> {
+    let count = |id: FunctionId| program.function(id).root().results.len();
+    let mut wanted: Vec<Option<Vec<bool>>> = vec![None; program.functions.len()];
     for id in from {
-        reached[id.0 as usize] = true;
+        wanted[id.0 as usize] = Some(vec![true; count(*id)]);
     }
-    for index in (0..reached.len()).rev() {
-        if !reached[index] {
-            continue;
-        }
+    for index in (0..wanted.len()).rev() {
+        let Some(results) = wanted[index].clone() else { continue };
         let function = &program.functions[index];
-        for node in live_nodes(function) {
-            if let Node::Call(callee, _) = node {
-                reached[callee.0 as usize] = true;
+        let mut live = vec![false; function.node_count()];
+        mark_live(function, &mut live, kept(&function.root().results, &results));
+        for value in (0..function.node_count() as u32).map(Value).filter(|value| live[value.0 as usize]) {
+            // The call of a function with one result is that result.
+            let (call, result) = match function.node(value) {
+                Node::Result(tuple, result) => (tuple, Some(result)),
+                _ => (value, function.type_of(value).map(|_| 0)),
+            };
+            let Node::Call(callee, _) = function.node(call) else { continue };
+            let of_callee = wanted[callee.0 as usize].get_or_insert_with(|| vec![false; count(callee)]);
+            if let Some(result) = result {
+                of_callee[result as usize] = true;
             }
         }
     }
-    reached
+    wanted
 }
 
 fn live_nodes(function: &Function) -> impl Iterator<Item = Node> {
@@ -81,8 +92,19 @@ struct Callee {
     id: FunctionId,
     /// Which parameters it still takes.
     takes: Vec<bool>,
-    /// What it yields where it computes nothing.
-    trivial: Option<Vec<Trivial>>,
+    /// What has become of each of its results.
+    results: Vec<Outcome>,
+}
+
+/// What has become of a result.
+#[derive(Clone, Copy)]
+enum Outcome {
+    /// The function yields it.
+    Yielded,
+    /// It needs no call.
+    Trivial(Trivial),
+    /// Nobody wants it.
+    Unwanted,
 }
 
 /// A result that needs no call.
@@ -113,17 +135,21 @@ impl Links for Rebuild {
         arguments: &[Value],
     ) -> Vec<Value> {
         let callee = self.callee(callee);
-        if let Some(trivial) = &callee.trivial {
-            let result = |result: &Trivial| match *result {
-                Trivial::Parameter(index) => arguments[index as usize],
-                Trivial::Float(x) => builder.float(x),
-                Trivial::Bool(it) => builder.bool(it),
-            };
-            return trivial.iter().map(result).collect();
-        }
-        let taken = arguments.iter().zip(&callee.takes).filter(|(_, takes)| **takes);
-        let taken: Vec<Value> = taken.map(|(argument, _)| *argument).collect();
-        builder.call(callee.id, results, &taken)
+        let is_yielded: Vec<bool> =
+            callee.results.iter().map(|outcome| matches!(outcome, Outcome::Yielded)).collect();
+        let yielded = match kept(results, &is_yielded) {
+            none if none.is_empty() => Vec::new(),
+            types => builder.call(callee.id, &types, &kept(arguments, &callee.takes)),
+        };
+        let mut yielded = yielded.into_iter();
+        let result = |outcome: &Outcome| match *outcome {
+            Outcome::Yielded => yielded.next().expect("as many as the call has"),
+            Outcome::Trivial(Trivial::Parameter(index)) => arguments[index as usize],
+            Outcome::Trivial(Trivial::Float(x)) => builder.float(x),
+            Outcome::Trivial(Trivial::Bool(it)) => builder.bool(it),
+            Outcome::Unwanted => builder.bool(false),
+        };
+        callee.results.iter().map(result).collect()
     }
 }
 
@@ -132,12 +158,22 @@ impl Rebuild {
         self.callees[id.0 as usize].as_ref().expect("callees stand before their callers")
     }
 
-    /// Makes a function anew; one that is fixed keeps its parameters.
-    fn function(&mut self, id: FunctionId, source: &Function, is_fixed: bool) {
+    /// Makes a function anew, with the results that are wanted; one that is fixed keeps its parameters and results.
+    fn function(&mut self, id: FunctionId, source: &Function, wanted: Vec<bool>, is_fixed: bool) {
         let all = vec![true; source.parameters.len()];
+        let source = &with_results(source, &wanted);
         let copied = with_parameters(source, &all, self);
+        let trivial: Vec<Option<Trivial>> = copied.root().results.iter().map(|v| trivial(&copied, *v)).collect();
+        let yields: Vec<bool> = trivial.iter().map(|it| is_fixed || it.is_none()).collect();
+        let copied = with_results(&copied, &yields);
         let takes = if is_fixed { all } else { used_parameters(&copied) };
-        let trivial = trivial(&copied);
+        let mut trivial = trivial.into_iter();
+        let outcome = |is_wanted: &bool| match is_wanted.then(|| trivial.next().expect("one for each result")) {
+            None => Outcome::Unwanted,
+            Some(None) => Outcome::Yielded,
+            Some(Some(it)) => Outcome::Trivial(it),
+        };
+        let results = wanted.iter().map(outcome).collect();
         let made = if takes.contains(&false) {
             with_parameters(&copied, &takes, &crate::copy::SameProgram)
         } else {
@@ -152,8 +188,16 @@ impl Rebuild {
                 new
             }
         };
-        self.callees[id.0 as usize] = Some(Callee { id: id_now, takes, trivial });
+        self.callees[id.0 as usize] = Some(Callee { id: id_now, takes, results });
     }
+}
+
+/// The function with only these of its results.
+fn with_results(function: &Function, wanted: &[bool]) -> Function {
+    let mut function = function.clone();
+    function.regions[0].results = kept(&function.regions[0].results, wanted);
+    function.result_names = kept(&function.result_names, wanted);
+    function
 }
 
 /// The function with only these of its parameters; nothing may depend on the others.
@@ -189,15 +233,14 @@ fn used_parameters(function: &Function) -> Vec<bool> {
     used
 }
 
-/// What the function yields, where each result is a parameter or a number.
-fn trivial(function: &Function) -> Option<Vec<Trivial>> {
-    let result = |value: &Value| match function.node(*value) {
+/// What a value of a function is, where it is a parameter or a number.
+fn trivial(function: &Function, value: Value) -> Option<Trivial> {
+    match function.node(value) {
         Node::Argument(RegionId::ROOT, index) => Some(Trivial::Parameter(index)),
         Node::Float(bits) => Some(Trivial::Float(f64::from_bits(bits))),
         Node::Bool(it) => Some(Trivial::Bool(it)),
         _ => None,
-    };
-    function.root().results.iter().map(result).collect()
+    }
 }
 
 /// The function as it is compared with others.
@@ -254,11 +297,8 @@ fn without_unused_inputs((program, roots): Rooted) -> Rooted {
         is_tiny: program.is_tiny,
     };
     for (index, function) in program.functions.iter().enumerate() {
-        let mut function = function.clone();
-        if program.frame == Some(FunctionId(index as u32)) {
-            function.regions[0].results = kept(&function.regions[0].results, &globals);
-            function.result_names = kept(&function.result_names, &globals);
-        }
+        let is_frame = program.frame == Some(FunctionId(index as u32));
+        let function = if is_frame { with_results(function, &globals) } else { function.clone() };
         smaller.add(with_parameters(&function, &vec![true; function.parameters.len()], &links));
     }
     (smaller, roots)
@@ -340,6 +380,33 @@ mod tests {
         });
         program.entry = Some(entry);
         insta::assert_snapshot!(simplified(&program));
+    }
+
+    #[test]
+    fn results_that_nobody_needs_from_a_call_go() {
+        let mut program = Program::default();
+        let mut b = Builder::new("inner", vec![float("x")]);
+        let x = b.argument(RegionId::ROOT, 0);
+        let (sine, cosine, tangent) = (b.unary(Unary::Sin, x), b.unary(Unary::Cos, x), b.unary(Unary::Tan, x));
+        let results = [sine, cosine, tangent].map(|v| (v, "".into())).to_vec();
+        let inner = program.add(b.finish(results));
+        // Only the entry's own use of the third result, which is none, would keep the tangent.
+        let mut b = Builder::new("outer", vec![float("x"), float("y")]);
+        let [x, y] = [0, 1].map(|i| b.argument(RegionId::ROOT, i));
+        let parts = b.call(inner, &[Type::Float; 3], &[x]);
+        let (one, sum) = (b.float(1.0), b.add(parts[0], y));
+        let results = [sum, parts[2], y, one].map(|v| (v, "".into())).to_vec();
+        let outer = program.add(b.finish(results));
+        program.entry = Some(function(&mut program, "entry", &["x", "y"], |b, x| {
+            let parts = b.call(outer, &[Type::Float; 4], x);
+            let scaled = b.mul(parts[0], parts[2]);
+            b.add(scaled, parts[3])
+        }));
+        let simple = simplified(&program);
+        let counts: Vec<usize> = simple.functions.iter().map(|f| f.root().results.len()).collect();
+        assert_eq!(counts, [1, 1, 1]);
+        let has = |op| simple.functions.iter().any(|f| f.nodes.iter().any(|n| matches!(n, Node::Unary(it, _) if *it == op)));
+        assert!(has(Unary::Sin) && !has(Unary::Cos) && !has(Unary::Tan));
     }
 
     #[test]

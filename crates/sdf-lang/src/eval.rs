@@ -77,6 +77,8 @@ pub(crate) struct Elaborator<'t> {
     pub calls: u32,
     /// Whether what is evaluated is inside a loop of `iterate`.
     pub in_loop: bool,
+    /// Whether rays go on from what reflects or transmits.
+    pub bounces: bool,
     /// Whether what is evaluated is inside a `for`.
     pub in_for: bool,
     /// The expressions evaluated so far.
@@ -130,6 +132,7 @@ impl<'t> Elaborator<'t> {
             work: 0,
             work_limit: 0,
             in_loop: false,
+            bounces: false,
             in_for: false,
             is_trial: false,
             skipped: 0,

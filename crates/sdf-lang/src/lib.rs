@@ -166,8 +166,9 @@ pub struct Query {
 /// Functions from which the truth about a picture is found, and whether its steps are safe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Certificate {
-    /// `coordinate: vec2 → origin: vec3, direction: vec3, far: float, tolerance: float`: the ray through a pixel, whose
-    /// direction has length 1; how far it goes; and how near to a surface a hit may be, for each unit of length along it.
+    /// `coordinate: vec2 → origin: vec3, direction: vec3, far: float, width: float, tolerance: float`: the ray through a
+    /// pixel, whose direction has length 1; how far it goes; and how near to a surface a hit may be: at its origin, and how
+    /// much farther for each unit of length along it.
     pub ray: FunctionId,
     /// `p: vec3 → distance: float, stride: float`: the scene's field, and a distance within which it certainly has no
     /// zero; from inside, both are negative.

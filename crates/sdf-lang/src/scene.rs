@@ -8,13 +8,14 @@ use crate::library::Library;
 use crate::names::Names;
 use crate::solids;
 use crate::surface::Column;
-use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value, mentions};
 use crate::view::View;
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
 use sdf_ir::{Constant, FunctionId, Role, Type};
-use sdf_syntax::tree::{Dimension, File};
+use sdf_syntax::tree::{Dimension, File, Record, SettingsKind};
 use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -164,12 +165,25 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<(Value<'t>, Value<'t>, bool)> {
         let solids = self.solids(shapes, place)?;
         let (map, is_tiny) = (solids.map.clone(), solids.are_tiny());
-        let glows = self.glows(shapes)?;
+        let (glows, columns) = self.glows(shapes)?;
+        let smooths = is_antialiased(&settings);
+        let called = |column| self.bounces && columns.contains(&column);
+        let (reflects, transmits) = (called(Column::Reflect), called(Column::Transmit));
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
         fields.push((Arc::from("empty"), Value::bool(self.is_empty(&map)?)));
         fields.push((Arc::from("glows"), glows));
+        let patterned = columns.contains(&Column::Pattern);
+        for (name, holds) in [
+            ("reflects", reflects),
+            ("transmits", transmits),
+            ("goes_on", reflects || transmits),
+            ("patterned", smooths && patterned),
+            ("sky_is_patterned", smooths && self.sky_is_patterned()),
+        ] {
+            fields.push((Arc::from(name), Value::bool(holds)));
+        }
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
         let solids = self.solid_fields(&solids, &fields)?;
         fields.extend(solids);
@@ -177,6 +191,13 @@ impl<'t> Elaborator<'t> {
             fields.push((Arc::from("ball"), self.ball_record()));
         }
         Ok((Value::record(fields), map, is_tiny))
+    }
+
+    /// Whether the sky's colours are more than a gradient.
+    fn sky_is_patterned(&self) -> bool {
+        let is_sky = |(kind, ..): &&(SettingsKind, &Record, Span)| *kind == SettingsKind::Sky;
+        let sky = self.names.user.settings.iter().find(is_sky);
+        sky.is_some_and(|(_, sky, _)| sky.fields.iter().any(|field| mentions(&field.value, "p")))
     }
 
     /// Whether the distance to a shape is the same everywhere, so that it has no surface.
@@ -288,9 +309,9 @@ impl<'t> Elaborator<'t> {
         Ok(shapes)
     }
 
-    /// The shapes that glow, each with what its surface looks like.
-    fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<Value<'t>> {
-        let mut out = Vec::new();
+    /// The shapes that glow, and what the materials of all shapes call for.
+    fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<(Value<'t>, BTreeSet<Column>)> {
+        let (mut out, mut all) = (Vec::new(), BTreeSet::new());
         for shape in shapes.iter().flat_map(parts_of_union) {
             if !shape.painted {
                 continue;
@@ -300,11 +321,12 @@ impl<'t> Elaborator<'t> {
             let found = self.find_columns(&shape, &point, &point, Span::default());
             self.contexts.discard();
             found?;
+            all.extend(&self.columns);
             if self.columns.contains(&Column::Glow) {
                 out.push(Value::record(vec![(Arc::from("shape"), Value::Shape(shape))]));
             }
         }
-        Ok(Value::list(out))
+        Ok((Value::list(out), all))
     }
 
     /// A ball round the bounded parts of the scene: centre and radius.
@@ -393,6 +415,16 @@ impl<'t> Elaborator<'t> {
         }
         summary
     }
+}
+
+/// Whether pixels may take several rays.
+fn is_antialiased(settings: &[(Arc<str>, Value<'_>)]) -> bool {
+    let render = settings.iter().find(|(name, _)| &**name == "render");
+    let samples = match render {
+        Some((_, Value::Record(render))) => render.get("antialias"),
+        _ => None,
+    };
+    matches!(samples, Some(Value::Number(n)) if n.known() != Some(Constant::Float(1.0)))
 }
 
 /// Whether a light casts shadows of this kind.

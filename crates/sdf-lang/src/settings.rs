@@ -40,6 +40,9 @@ pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
 const RENDER_NUMBERS: [(&str, f64); 5] =
     [("tolerance", 0.1), ("steps", 256.0), ("far", 100.0), ("bounces", 2.0), ("antialias", 1.0)];
 
+/// What `projection` of the camera may be.
+const PROJECTIONS: &[&str] = &["perspective", "orthographic"];
+
 /// The words that settings of `render` may be; the first is what they are where a file does not say.
 const RENDER_WORDS: [(&str, &[&str]); 3] = [
     ("normals", &["exact", "tetrahedron", "central"]),
@@ -215,7 +218,7 @@ impl<'t> Elaborator<'t> {
 
     fn camera(&mut self, options: &Options) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
-        let unbuilt = self.unbuilt_camera(&block);
+        let projection = self.word_setting(&block, "projection", PROJECTIONS);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
         let fov = self.ranged_setting(&block, "fov", Constant::Float(FRAC_PI_4), FIELD_OF_VIEW);
@@ -223,7 +226,7 @@ impl<'t> Elaborator<'t> {
         let eye = has_eye.then(|| self.number_setting(&block, "eye", Constant::Vec3([0.0; 3])));
         let orbits = self.number_setting(&block, "orbit", Constant::Bool(false));
         let (mut target, up, fov, eye, orbits) = (target?, up?, fov?, eye.transpose()?, orbits?);
-        unbuilt?;
+        let is_parallel = projection? == "orthographic";
         let eye = match eye {
             Some(eye) => eye,
             None => {
@@ -250,6 +253,7 @@ impl<'t> Elaborator<'t> {
             ("target", target),
             ("up", up),
             ("fov", fov),
+            ("parallel", Number::constant(Constant::Bool(is_parallel))),
             ("orbits", is_turned),
             ("turn", turn),
             ("zoom", zoom),
@@ -280,16 +284,6 @@ impl<'t> Elaborator<'t> {
         let still = Number::constant(Constant::Vec2([0.0; 2]));
         let turn = self.contexts.apply(Op::Ternary(Ternary::Select), &[asked, turn, still]);
         Ok(Some((turn, Number::float(1.0))))
-    }
-
-    /// The kind of camera that nothing draws yet.
-    fn unbuilt_camera(&mut self, block: &Block<'t>) -> Eval<()> {
-        match self.word_setting(block, "projection", &["perspective", "orthographic"])? {
-            "orthographic" => {
-                self.refuse(block, "projection", "the orthographic projection", "use `perspective` for now")
-            }
-            _ => Ok(()),
-        }
     }
 
     /// The camera that frames the bounded parts of the scene from direction (1, 0.7, 1.5).
@@ -527,19 +521,9 @@ impl<'t> Elaborator<'t> {
         let bounces = self.static_setting(&block, "bounces", number("bounces"), BOUNCES);
         let quality = self.word_setting(&block, "quality", &["draft", "balanced", "fine", "exact"]);
         let (tolerance, steps, far, normals) = (tolerance?, steps?, far?, normals?);
-        let (relax, tonemap, antialias) = (relax?, tonemap?, antialias?);
-        let (_, _) = (bounces?, quality?);
-        if normals != "exact" {
-            self.refuse(&block, "normals", "this kind of normals", "use `exact`, which costs least")?;
-        }
-        if antialias > 1.0 {
-            self.refuse(
-                &block,
-                "antialias",
-                "antialiasing",
-                "render at twice the size and scale down for now",
-            )?;
-        }
+        let (relax, tonemap, antialias, bounces) = (relax?, tonemap?, antialias?, bounces?);
+        quality?;
+        self.bounces = bounces > 0.0;
         self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
         Ok(Value::record(vec![
             (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
@@ -547,6 +531,10 @@ impl<'t> Elaborator<'t> {
             (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(relax == "auto")),
             (Arc::from("aces"), Value::bool(tonemap == "aces")),
+            (Arc::from("central"), Value::bool(normals == "central")),
+            (Arc::from("tetrahedron"), Value::bool(normals == "tetrahedron")),
+            (Arc::from("antialias"), Value::float(antialias)),
+            (Arc::from("bounces"), Value::float(bounces)),
         ]))
     }
 }

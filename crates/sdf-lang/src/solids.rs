@@ -108,7 +108,8 @@ impl<'t> Elaborator<'t> {
             _ => unreachable!("`{wanted}` is a record"),
         };
         let Value::Shape(map) = &solids.map else { unreachable!("a scene is a shape") };
-        let inside = self.may_be_inside(map, &record("camera"))?;
+        let goes_through = settings.iter().any(|(name, value)| &**name == "transmits" && value.is_true());
+        let inside = goes_through || self.may_be_inside(map, &record("camera"))?;
         let rest = solids.rest.clone().unwrap_or_else(|| map.clone());
         let relaxed = record("render").get("relax").is_some_and(Value::is_true);
         let slope = self.slope_of(&rest)?;
@@ -142,11 +143,13 @@ impl<'t> Elaborator<'t> {
         self.is_affine(shape)
     }
 
-    /// Whether the eye may be in the scene's solids, for some values of the params and at some times.
+    /// Whether the eye may be in the scene's solids, for some values of the params and at some times; of parallel rays, which
+    /// begin all over the plane of the eye, some may.
     fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Fields<'t>) -> Eval<bool> {
         match (camera.get("eye"), camera.get("orbits")) {
             (Some(Value::Number(eye)), Some(Value::Number(orbits)))
-                if orbits.known() == Number::constant(sdf_ir::Constant::Bool(false)).known() =>
+                if !camera.get("parallel").is_some_and(Value::is_true)
+                    && orbits.known() == Number::constant(sdf_ir::Constant::Bool(false)).known() =>
             {
                 let eye = self.bounds_of_number(eye);
                 Ok(self.least_distance(map, &eye)? <= 0.0)

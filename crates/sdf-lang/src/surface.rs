@@ -29,9 +29,12 @@ pub(crate) enum Column {
     Reflect,
     Transmit,
     Ior,
+    /// 1 where a material is not the same everywhere: no user's word, but what antialiasing asks for.
+    Pattern,
 }
 
 impl Column {
+    /// What a material can say.
     pub const ALL: [Column; 9] = [
         Column::Color,
         Column::Specular,
@@ -44,9 +47,20 @@ impl Column {
         Column::Ior,
     ];
 
-    /// What decides about light that comes from the surface; the others are about light around it.
+    /// What decides about light that comes from the surface.
     pub const OF_SURFACE: [Column; 4] =
         [Column::Color, Column::Specular, Column::Shininess, Column::Emission];
+
+    /// The same with what decides about rays that go on from it.
+    pub const OF_PATH: [Column; 7] = [
+        Column::Color,
+        Column::Specular,
+        Column::Shininess,
+        Column::Emission,
+        Column::Reflect,
+        Column::Transmit,
+        Column::Ior,
+    ];
 
     /// What decides about the glow round it.
     pub const OF_GLOW: [Column; 2] = [Column::Glow, Column::GlowRadius];
@@ -62,6 +76,7 @@ impl Column {
             Column::Reflect => "reflect",
             Column::Transmit => "transmit",
             Column::Ior => "ior",
+            Column::Pattern => "pattern",
         }
     }
 
@@ -73,7 +88,7 @@ impl Column {
             Column::Shininess => Constant::Float(32.0),
             Column::Emission | Column::Glow => Constant::Vec3([0.0; 3]),
             Column::GlowRadius => Constant::Float(0.25),
-            Column::Reflect | Column::Transmit => Constant::Float(0.0),
+            Column::Reflect | Column::Transmit | Column::Pattern => Constant::Float(0.0),
             Column::Ior => Constant::Float(1.5),
         }
     }
@@ -85,12 +100,8 @@ impl Column {
             Column::Shininess | Column::GlowRadius => Some(POSITIVE),
             Column::Reflect | Column::Transmit => Some(SHARE),
             Column::Ior => Some(AT_LEAST_ONE),
-            Column::Color | Column::Emission | Column::Glow => None,
+            Column::Color | Column::Emission | Column::Glow | Column::Pattern => None,
         }
-    }
-
-    fn is_built(self) -> bool {
-        !matches!(self, Column::Reflect | Column::Transmit)
     }
 }
 
@@ -505,6 +516,9 @@ impl<'t> Elaborator<'t> {
                 }
             }
         }
+        if values.iter().any(|(_, value)| value.is_local()) {
+            values.push((Column::Pattern, Number::float(1.0)));
+        }
         for (column, value) in &values {
             if self.finding_columns && value.known() != Some(column.default()) {
                 self.columns.insert(*column);
@@ -551,10 +565,6 @@ impl<'t> Elaborator<'t> {
         let number = self.as_typed(value, column.default().ty(), field.value.span)?;
         if let Some(range) = column.range() {
             self.check_range(&number, field.value.span, &format!("`{}`", column.name()), range)?;
-        }
-        if !column.is_built() && number.known() != Some(column.default()) {
-            let what = format!("`{}` of a material", column.name());
-            return self.report(errors::not_built_yet(field.name.span, &what, "leave it out for now"));
         }
         Ok((column, number))
     }

@@ -199,7 +199,7 @@ impl Pixel {
         let to_light: [f64; 3] = std::array::from_fn(|k| place[k] + to_light[k] - origin[k]);
         let distance = dot(to_light, to_light).sqrt();
         let direction = to_light.map(|x| x / distance);
-        match prover.first_hit(&Ray { origin, direction, far: distance, tolerance: ray.tolerance }) {
+        match prover.first_hit(&Ray { origin, direction, far: distance, ..*ray }) {
             Truth::Hit { .. } => Light::Dark,
             Truth::Miss => Light::Lit,
             Truth::Ambiguous { .. } => Light::Unknown,

@@ -90,7 +90,7 @@ impl Prover<'_> {
             };
         };
         let cosine = self.cosine(ray, far);
-        let allowed = (LATE * ray.tolerance * depth / cosine).max(ray.rounding(depth));
+        let allowed = (LATE * ray.share(depth) / cosine).max(ray.rounding(depth));
         if depth > far + allowed {
             return Verdict::FalseMiss;
         }

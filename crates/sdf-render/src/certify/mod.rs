@@ -42,8 +42,9 @@ pub type Vector = [f64; 3];
 pub struct Functions {
     /// `p: vec3 → distance`, whose first zero along a ray is the surface; a scene that is nothing has none.
     pub map: Option<FunctionId>,
-    /// `coordinate: vec2 → origin: vec3, direction: vec3, far: float, tolerance: float`: the ray through a pixel, whose
-    /// direction has length 1; how far it goes; and how near to a surface a hit may be, for each unit of length.
+    /// `coordinate: vec2 → origin: vec3, direction: vec3, far: float, width: float, tolerance: float`: the ray through a
+    /// pixel, whose direction has length 1; how far it goes; and how near to a surface a hit may be: at its origin, and how
+    /// much farther for each unit of length.
     pub ray: FunctionId,
     /// `p: vec3 → distance: float, stride: float`, of which the stride is what is tried for safety.
     pub step: FunctionId,
@@ -137,9 +138,9 @@ impl Prover<'_> {
     /// The ray through a pixel's coordinate, from the bottom left. It is what `f64` makes of the camera: what is proved
     /// is proved of exactly this ray.
     pub fn ray(&mut self, coordinate: [f64; 2]) -> Ray {
-        let results: [f64; 8] = run(&mut self.ray, &coordinate);
+        let results: [f64; 9] = run(&mut self.ray, &coordinate);
         let vector = |at: usize| [results[at], results[at + 1], results[at + 2]];
-        Ray { origin: vector(0), direction: vector(3), far: results[6], tolerance: results[7] }
+        Ray { origin: vector(0), direction: vector(3), far: results[6], width: results[7], tolerance: results[8] }
     }
 
     /// How often the field was evaluated over a region so far: the cost of the answers.

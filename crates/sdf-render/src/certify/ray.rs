@@ -15,7 +15,9 @@ pub struct Ray {
     pub direction: Vector,
     /// How far the ray goes.
     pub far: f64,
-    /// How near to a surface a hit may be, for each unit of length along the ray.
+    /// How near to a surface a hit may be at the origin.
+    pub width: f64,
+    /// How much farther from it for each unit of length along the ray.
     pub tolerance: f64,
 }
 
@@ -28,7 +30,12 @@ impl Ray {
     /// How near to a surface a hit at distance `t` must be: a share of a pixel, and at least what the rounding of `f32`
     /// does to the coordinates there.
     pub fn radius(&self, t: f64) -> f64 {
-        (self.tolerance * t).max(self.rounding(t))
+        self.share(t).max(self.rounding(t))
+    }
+
+    /// The share of a pixel that a hit at distance `t` may be off.
+    pub fn share(&self, t: f64) -> f64 {
+        self.width + self.tolerance * t
     }
 
     /// Eight units in the last place of the largest `f32` that the point at distance `t` is computed with.

@@ -106,7 +106,7 @@ fn twisted(b: &mut Builder, p: Value) -> Value {
 
 fn ray(origin: Vector, direction: Vector) -> Ray {
     let norm = length(direction);
-    Ray { origin, direction: direction.map(|x| x / norm), far: 20.0, tolerance: 1e-3 }
+    Ray { origin, direction: direction.map(|x| x / norm), far: 20.0, width: 0.0, tolerance: 1e-3 }
 }
 
 /// Asserts that a hit is enclosed closely, and where it should be.

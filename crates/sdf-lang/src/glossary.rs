@@ -138,6 +138,10 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
                 "The properties of the material that a surface with the normal `n` has at a point, those of glow apart, as a record.",
             ),
             ("surrounding", "The glow round a shape at a point, as a record `(glow, glow_radius)`."),
+            (
+                "patterned",
+                "How much of the material at a point is not the same everywhere on its shape, as a record `(pattern)`.",
+            ),
             ("properties", "All properties of the material at a point, as a record."),
         ],
     ),

@@ -185,6 +185,7 @@ impl<'t> Elaborator<'t> {
             fields.push((Arc::from(name), Value::bool(holds)));
         }
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        fields.extend(self.clear_fields(shapes, &solids, transmits, place)?);
         let solids = self.solid_fields(&solids, &fields)?;
         fields.extend(solids);
         if view == Some(View::Depth) {
@@ -313,16 +314,9 @@ impl<'t> Elaborator<'t> {
     fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<(Value<'t>, BTreeSet<Column>)> {
         let (mut out, mut all) = (Vec::new(), BTreeSet::new());
         for shape in shapes.iter().flat_map(parts_of_union) {
-            if !shape.painted {
-                continue;
-            }
-            self.contexts.open(&Arc::from("glow"), None);
-            let point = self.contexts.entry_parameter("p", Type::Vec3);
-            let found = self.find_columns(&shape, &point, &point, Span::default());
-            self.contexts.discard();
-            found?;
-            all.extend(&self.columns);
-            if self.columns.contains(&Column::Glow) {
+            let columns = self.columns_of(&shape)?;
+            all.extend(&columns);
+            if columns.contains(&Column::Glow) {
                 out.push(Value::record(vec![(Arc::from("shape"), Value::Shape(shape))]));
             }
         }

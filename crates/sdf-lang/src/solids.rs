@@ -4,6 +4,7 @@
 use crate::contract::Quality;
 use crate::eval::{Elaborator, Eval, name_shape};
 use crate::facts::{corner_number, room};
+use crate::surface::Column;
 use crate::value::{Fields, Number, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::region::Extent;
 use sdf_syntax::Span;
@@ -133,6 +134,59 @@ impl<'t> Elaborator<'t> {
             (Arc::from("exact"), Value::bool(is_exact)),
             (Arc::from("solids"), Value::Shape(rest)),
         ])
+    }
+
+    /// What the renderer is told of what lets light through, if something `transmits`: which of the planes are `clear_planes`;
+    /// `clear`, the union of all that does, and `opaque`, of the others, if it `has_opaque` ones; and of both what is marched to,
+    /// `clear_solids` and `opaque_solids`, if it has those.
+    pub fn clear_fields(
+        &mut self,
+        shapes: &[Rc<Shape<'t>>],
+        solids: &Solids<'t>,
+        transmits: bool,
+        place: Span,
+    ) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
+        let mut fields = Vec::new();
+        let mut clear_planes = Vec::new();
+        for plane in &solids.half_spaces {
+            clear_planes.push(Value::bool(transmits && self.columns_of(plane)?.contains(&Column::Transmit)));
+        }
+        fields.push((Arc::from("clear_planes"), Value::list(clear_planes)));
+        if !transmits {
+            return Ok(fields);
+        }
+        let mut parts = Vec::new();
+        for shape in shapes {
+            for part in self.parts_behind(shape)? {
+                let is_clear = self.columns_of(&part)?.contains(&Column::Transmit);
+                let is_solid = !self.is_half_space(&part)?;
+                parts.push((part, is_clear, is_solid));
+            }
+        }
+        const DOCS: [[&str; 2]; 2] = [
+            ["The distance from a point to what is opaque.", "The distance from a point to what is opaque and no half space."],
+            [
+                "The distance from a point to what lets light through.",
+                "The distance from a point to what lets light through and is no half space.",
+            ],
+        ];
+        for (wanted, all, marched, [of_all, of_marched]) in [
+            (false, "opaque", "opaque_solids", DOCS[0]),
+            (true, "clear", "clear_solids", DOCS[1]),
+        ] {
+            let own = |only_solids: bool| -> Vec<Rc<Shape<'t>>> {
+                let own = parts.iter().filter(|(_, clear, solid)| *clear == wanted && (*solid || !only_solids));
+                own.map(|(part, ..)| part.clone()).collect()
+            };
+            for (name, shapes, doc) in [(all, own(false), of_all), (marched, own(true), of_marched)] {
+                let has = !shapes.is_empty();
+                let shape = Value::Shape(union_of(shapes, place));
+                let shape = name_shape(shape, &Arc::from(name), place, Thunk::Fixed(doc));
+                fields.push((Arc::from(format!("has_{name}")), Value::bool(has)));
+                fields.push((Arc::from(name), shape));
+            }
+        }
+        Ok(fields)
     }
 
     /// Whether a shape's field is affine. What is bounded has none.

@@ -14,6 +14,7 @@ use crate::value::{Env, Material, Number, Repr, Shape, ShapeKind, Value};
 use sdf_ir::{Binary, Builder, Constant, Node, Ternary, Type, Unary};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Block, Record};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -203,6 +204,18 @@ impl<'t> Elaborator<'t> {
             fields.push((name.clone(), Value::Number(value.named(&name))));
         }
         Ok(Value::record(fields))
+    }
+
+    /// The properties that differ from their defaults somewhere on a shape's surface.
+    pub fn columns_of(&mut self, shape: &Rc<Shape<'t>>) -> Eval<BTreeSet<Column>> {
+        if !shape.painted {
+            return Ok(BTreeSet::new());
+        }
+        self.contexts.open(&Arc::from("columns"), None);
+        let point = self.contexts.entry_parameter("p", Type::Vec3);
+        let found = self.find_columns(shape, &point, &point, Span::default());
+        self.contexts.discard();
+        found.map(|()| std::mem::take(&mut self.columns))
     }
 
     /// Notes which properties of the shape's materials differ from their defaults; the others cost nothing.

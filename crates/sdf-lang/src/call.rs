@@ -364,7 +364,8 @@ impl<'t> Elaborator<'t> {
         })
     }
 
-    fn call_afresh(
+    /// A call that is carried out whether or not it was before.
+    pub fn call_afresh(
         &mut self,
         function: &'t Function,
         module: Module,

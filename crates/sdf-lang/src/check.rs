@@ -3,12 +3,13 @@
 use crate::builtin;
 use crate::contract::{self, Contract};
 use crate::errors;
+use crate::shading::{CALLS, is_shading};
 use crate::names::{Item, Items, Meaning, Names};
 use crate::value::{Candidate, Module};
 use rustc_hash::FxHashMap;
 use sdf_syntax::token::UNITS;
 use sdf_syntax::tree::{
-    Argument, Binding, Block, Expr, ExprKind, Name, Parameter, PostfixKind, Record, UnaryOp,
+    Argument, Binding, Block, Expr, ExprKind, Function, Name, Parameter, PostfixKind, Record, UnaryOp,
 };
 use sdf_syntax::{Diagnostic, Sources, Span};
 use std::collections::HashMap;
@@ -22,6 +23,14 @@ impl<'t> Names<'t> {
         }
     }
 
+    /// What a function may call that others may not: the scene's own shading asks for light.
+    fn names_in(&self, function: &Function, module: Module) -> Vec<&'t str> {
+        if !is_shading(function, module) {
+            return Vec::new();
+        }
+        self.user.lights.iter().map(|(name, _)| &*name.text).chain(CALLS).collect()
+    }
+
     fn check_module(
         &self,
         module: Module,
@@ -32,9 +41,11 @@ impl<'t> Names<'t> {
         let mut check = Check { names: self, sources, module, locals: Locals::default(), diagnostics };
         for function in &items.all_functions {
             let contract = items.contracts.get(&std::ptr::from_ref(*function).cast());
-            check.with_parameters(&function.parameters, |c| {
-                c.contract(contract);
-                c.expr(&function.body);
+            check.with_point(&self.names_in(function, module), |check| {
+                check.with_parameters(&function.parameters, |c| {
+                    c.contract(contract);
+                    c.expr(&function.body);
+                });
             });
         }
         for (_, item) in &items.order {

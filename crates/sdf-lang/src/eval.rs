@@ -79,6 +79,8 @@ pub(crate) struct Elaborator<'t> {
     pub in_loop: bool,
     /// Whether rays go on from what reflects or transmits.
     pub bounces: bool,
+    /// The names of the lights in the order of the source, and whether each ever shines: those that do are the renderer's.
+    pub light_names: Vec<(Arc<str>, bool)>,
     /// Whether what is evaluated is inside a `for`.
     pub in_for: bool,
     /// The expressions evaluated so far.
@@ -133,6 +135,7 @@ impl<'t> Elaborator<'t> {
             work_limit: 0,
             in_loop: false,
             bounces: false,
+            light_names: Vec::new(),
             in_for: false,
             is_trial: false,
             skipped: 0,

@@ -42,6 +42,7 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/path.sdf>", include_str!("../runtime/path.sdf")),
     ("<runtime/reflect.sdf>", include_str!("../runtime/reflect.sdf")),
     ("<runtime/transmit.sdf>", include_str!("../runtime/transmit.sdf")),
+    ("<runtime/shade.sdf>", include_str!("../runtime/shade.sdf")),
     ("<runtime/antialias.sdf>", include_str!("../runtime/antialias.sdf")),
     ("<runtime/normals.sdf>", include_str!("../runtime/normals.sdf")),
     ("<runtime/view.sdf>", include_str!("../runtime/view.sdf")),

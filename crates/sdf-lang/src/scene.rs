@@ -166,9 +166,11 @@ impl<'t> Elaborator<'t> {
         let solids = self.solids(shapes, place)?;
         let (map, is_tiny) = (solids.map.clone(), solids.are_tiny());
         let (glows, columns) = self.glows(shapes)?;
-        let smooths = is_antialiased(&settings);
+        let render = settings.iter().find(|(name, _)| &**name == "render");
+        let smooths = render.is_some_and(|(_, render)| is_antialiased(render));
         let called = |column| self.bounces && columns.contains(&column);
-        let (reflects, transmits) = (called(Column::Reflect), called(Column::Transmit));
+        let is_shaded = self.own_shading().is_some();
+        let (reflects, transmits) = (called(Column::Reflect) && !is_shaded, called(Column::Transmit));
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
         fields.push((Arc::from("map"), map.clone()));
@@ -179,6 +181,7 @@ impl<'t> Elaborator<'t> {
             ("reflects", reflects),
             ("transmits", transmits),
             ("goes_on", reflects || transmits),
+            ("asks_for_reflect", self.bounces),
             ("patterned", smooths && patterned),
             ("sky_is_patterned", smooths && self.sky_is_patterned()),
         ] {
@@ -400,10 +403,15 @@ impl<'t> Elaborator<'t> {
         if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
             summary.effects.push("glow");
         }
-        for (block, flag, name) in
-            [("rim", "called", "rim light"), ("fog", "called", "fog"), ("render", "aces", "tone mapping")]
-        {
-            if is_called(block, flag) {
+        for (is_called, name) in [
+            (is_true("reflects") || is_true("mirrors_by_call"), "reflection"),
+            (is_true("transmits"), "transmission"),
+            (is_called("rim", "called"), "rim light"),
+            (is_called("fog", "called"), "fog"),
+            (is_called("render", "aces"), "tone mapping"),
+            (scene.get("render").is_some_and(is_antialiased), "antialiasing"),
+        ] {
+            if is_called {
                 summary.effects.push(name);
             }
         }
@@ -412,13 +420,9 @@ impl<'t> Elaborator<'t> {
 }
 
 /// Whether pixels may take several rays.
-fn is_antialiased(settings: &[(Arc<str>, Value<'_>)]) -> bool {
-    let render = settings.iter().find(|(name, _)| &**name == "render");
-    let samples = match render {
-        Some((_, Value::Record(render))) => render.get("antialias"),
-        _ => None,
-    };
-    matches!(samples, Some(Value::Number(n)) if n.known() != Some(Constant::Float(1.0)))
+fn is_antialiased(render: &Value<'_>) -> bool {
+    let Value::Record(render) = render else { return false };
+    matches!(render.get("antialias"), Some(Value::Number(n)) if n.known() != Some(Constant::Float(1.0)))
 }
 
 /// Whether a light casts shadows of this kind.

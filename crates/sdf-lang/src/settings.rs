@@ -4,6 +4,7 @@ use crate::Options;
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
+use crate::shading::Calls;
 use crate::ranges::{NOT_NEGATIVE, POSITIVE, Range};
 use crate::value::{Callable, Env, Module, Number, Value};
 use glam::DVec3;
@@ -200,14 +201,21 @@ impl<'t> Elaborator<'t> {
     pub fn settings(&mut self, options: &Options) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
         let camera = self.camera(options);
         let lights = self.lights();
-        let ambient = self.ambient();
+        let shading = if lights.is_ok() { self.calls_of_shading() } else { Ok(None) };
+        let calls = shading.as_ref().ok().and_then(Option::as_ref);
+        let ambient = self.ambient(calls);
         let sky = self.sky();
         let fog = self.fog();
         let rim = self.rim();
         let render = self.render_settings();
+        let calls = shading?;
+        let shade = self.own_shading().map_or(Value::bool(false), |function| self.shading_function(function));
         Ok(vec![
+            (Arc::from("shaded"), Value::bool(calls.is_some())),
+            (Arc::from("shade"), shade),
+            (Arc::from("mirrors_by_call"), Value::bool(calls.as_ref().is_some_and(|calls| calls.reflection))),
             (Arc::from("camera"), camera?),
-            (Arc::from("lights"), lights?),
+            (Arc::from("lights"), without_shadows(lights?, calls.as_ref())),
             (Arc::from("ambient"), ambient?),
             (Arc::from("sky"), sky?),
             (Arc::from("fog"), fog?),
@@ -307,6 +315,7 @@ impl<'t> Elaborator<'t> {
 
     fn lights(&mut self) -> Eval<Value<'t>> {
         if self.names.user.lights.is_empty() {
+            self.light_names = vec![(Arc::from(""), true)];
             let direction = Number::constant(Constant::Vec3([0.5, 0.7, 0.4]));
             let direction = self.unary(Unary::Normalize, &direction, Span::default())?;
             let one = Number::constant(Constant::Vec3([1.0; 3]));
@@ -321,8 +330,10 @@ impl<'t> Elaborator<'t> {
         let mut failed = false;
         for (name, record) in &self.names.user.lights {
             match self.light(name, record) {
-                Ok(Some(light)) => out.push(light),
-                Ok(None) => {}
+                Ok(light) => {
+                    self.light_names.push((name.text.clone(), light.is_some()));
+                    out.extend(light);
+                }
                 Err(Reported) => failed = true,
             }
         }
@@ -410,14 +421,18 @@ impl<'t> Elaborator<'t> {
         self.report(errors::wrong_word(expr.span, "shadow", similar, &words))
     }
 
-    fn ambient(&mut self) -> Eval<Value<'t>> {
+    fn ambient(&mut self, calls: Option<&Calls>) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Ambient, "ambient", AMBIENT);
         let color = self.number_setting(&block, "color", Constant::Vec3([0.1; 3]));
         let occlusion = self.ranged_setting(&block, "occlusion", Constant::Float(0.0), NOT_NEGATIVE);
         let radius = self.ranged_setting(&block, "radius", Constant::Float(0.5), POSITIVE);
-        let (color, occlusion, radius) = (color?, occlusion?, radius?);
-        let called = occlusion.known() != Some(Constant::Float(0.0))
-            && color.known() != Some(Constant::Vec3([0.0; 3]));
+        let (color, mut occlusion, radius) = (color?, occlusion?, radius?);
+        if calls.is_some() && !block.fields.contains_key("occlusion") {
+            // Who asks for it wants all of it.
+            occlusion = Number::float(1.0);
+        }
+        let is_asked = calls.map_or(color.known() != Some(Constant::Vec3([0.0; 3])), |calls| calls.occlusion);
+        let called = is_asked && occlusion.known() != Some(Constant::Float(0.0));
         Ok(Value::record(vec![
             (Arc::from("color"), Value::Number(renamed(color, "ambient_color"))),
             (Arc::from("occluded"), Value::bool(called)),
@@ -577,6 +592,22 @@ fn light_record<'t>(directional: bool, at: Number, color: Number, shadow: Shadow
         (Arc::from("soft"), Value::bool(soft)),
         (Arc::from("softness"), Value::Number(softness.named(&Arc::from("softness")))),
     ])
+}
+
+/// The lights, of which those cast no shadow that the scene's own shading does not ask for.
+fn without_shadows<'t>(lights: Value<'t>, calls: Option<&Calls>) -> Value<'t> {
+    let (Value::List(list), Some(calls)) = (&lights, calls) else { return lights };
+    let asked = |(index, light): (usize, &Value<'t>)| match light {
+        Value::Record(light) if !calls.shadows.contains(&index) => {
+            let fields = light.fields.iter().map(|(name, value)| match &**name {
+                "casts" => (name.clone(), Value::bool(false)),
+                _ => (name.clone(), value.clone()),
+            });
+            Value::record(fields.collect())
+        }
+        light => light.clone(),
+    };
+    Value::list(list.items.iter().enumerate().map(asked).collect())
 }
 
 /// `mix(horizon, zenith, max(p.y, 0))`, or one colour; `p` is the direction.

@@ -28,7 +28,7 @@ impl<'t> Given<'t> {
         Given { receiver: None, positional: values, named: Vec::new() }
     }
 
-    fn describe(&self) -> String {
+    pub fn describe(&self) -> String {
         let mut parts: Vec<String> =
             self.receiver.iter().chain(&self.positional).map(Value::describe).collect();
         parts.extend(self.named.iter().map(|(n, v)| format!("`{}`: {}", n.text, v.describe())));

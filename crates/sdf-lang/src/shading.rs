@@ -4,6 +4,7 @@
 //! `occlusion()` and `reflection()`. Those that it calls are called for, and no others: it is tried once before the renderer is
 //! made.
 
+use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::names::Meaning;
 use crate::value::{Callable, Module, Number, Value};
@@ -62,21 +63,25 @@ impl<'t> Elaborator<'t> {
         surface.push((Arc::from("lights"), lights.clone()));
         let noted = calls.clone();
         let answer = visibility.clone();
-        let shadow = native(move |given| {
-            if let Some(index) = given.first().and_then(index_of) {
-                noted.borrow_mut().shadows.insert(index);
-            }
-            answer.clone()
+        let shadow = native("shadow(light)", "`light` is one of the scene's lights", move |given| match given {
+            [light] => index_of(light).map(|index| {
+                // One that never shines has none.
+                if index >= 0.0 {
+                    noted.borrow_mut().shadows.insert(index as usize);
+                }
+                answer.clone()
+            }),
+            _ => None,
         });
         let noted = calls.clone();
-        let occlusion = native(move |_| {
+        let occlusion = native("occlusion()", "it takes no arguments", move |given| {
             noted.borrow_mut().occlusion = true;
-            visibility.clone()
+            given.is_empty().then(|| visibility.clone())
         });
         let noted = calls.clone();
-        let reflection = native(move |_| {
+        let reflection = native("reflection()", "it takes no arguments", move |given| {
             noted.borrow_mut().reflection = true;
-            color.clone()
+            given.is_empty().then(|| color.clone())
         });
         self.shade(function, Value::record(surface), &lights, [shadow, occlusion, reflection])
     }
@@ -147,18 +152,30 @@ fn light<'t>(direction: Value<'t>, color: Value<'t>, index: f64) -> Value<'t> {
     ])
 }
 
-/// The place in the list of a light that is given as a record.
-fn index_of(light: &Value<'_>) -> Option<usize> {
+/// The place in the renderer's list of a light that is given as a record; -1 of one that never shines.
+fn index_of(light: &Value<'_>) -> Option<f64> {
     let Value::Record(light) = light else { return None };
-    match light.get("index") {
-        Some(Value::Number(n)) => match n.known() {
-            Some(Constant::Float(x)) if x >= 0.0 => Some(x as usize),
-            _ => None,
-        },
+    let (Some(Value::Number(index)), Some(_)) = (light.get("index"), light.get("direction")) else { return None };
+    match index.known() {
+        Some(Constant::Float(index)) => Some(index),
         _ => None,
     }
 }
 
-fn native<'t>(answer: impl Fn(&[Value<'t>]) -> Value<'t> + 't) -> Value<'t> {
-    Value::Function(Rc::new(Callable::Native(Rc::new(move |_, given, _| Ok(answer(&given.positional))))))
+/// A function that the shading may call; `answer` gives nothing for arguments that it does not take.
+fn native<'t>(
+    signature: &'static str,
+    why: &'static str,
+    answer: impl Fn(&[Value<'t>]) -> Option<Value<'t>> + 't,
+) -> Value<'t> {
+    Value::Function(Rc::new(Callable::Native(Rc::new(move |e: &mut Elaborator<'t>, given, span| {
+        let arguments: Vec<Value> = given.receiver.iter().chain(&given.positional).cloned().collect();
+        match answer(&arguments).filter(|_| given.named.is_empty()) {
+            Some(value) => Ok(value),
+            None => {
+                let name = signature.split('(').next().unwrap_or(signature);
+                e.report(errors::no_fit(span, name, &given.describe(), why, &[signature.to_owned()]))
+            }
+        }
+    }))))
 }

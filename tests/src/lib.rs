@@ -10,6 +10,7 @@ pub mod fields;
 pub mod glslang;
 pub mod hard;
 pub mod library;
+pub mod light;
 pub mod march;
 pub mod numbers;
 pub mod pages;

@@ -310,6 +310,12 @@ static FUNCTIONS: &[BuiltIn] = &[
     function("patterned", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &[Column::Pattern], a, span)
     }),
+    function("seams", &[("s", SHAPE), ("p", VEC3), ("width", FLOAT)], |e, a, span| {
+        let (Some(Value::Shape(shape)), point, width) = (&a[0], number(a, 1), number(a, 2)) else {
+            unreachable!("fits")
+        };
+        e.seams(shape, &point, &width, span)
+    }),
     function("surrounding", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &Column::OF_GLOW, a, span)
     }),

@@ -138,6 +138,7 @@ const FUNCTIONS: &[(&str, &[(&str, &str)])] = &[
                 "The properties of the material that a surface with the normal `n` has at a point, those of glow apart, as a record.",
             ),
             ("surrounding", "The glow round a shape at a point, as a record `(glow, glow_radius)`."),
+            ("seams", "How many of the surfaces that a shape is made of lie within `width` of a point."),
             (
                 "patterned",
                 "How much of the material at a point is not the same everywhere on its shape, as a record `(pattern)`.",

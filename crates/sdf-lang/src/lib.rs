@@ -37,6 +37,7 @@ mod reachable;
 mod reference;
 mod scene;
 mod settings;
+mod seams;
 mod shading;
 mod shape;
 mod signs;

@@ -106,6 +106,7 @@ const FUNCTIONS: &[(&str, &str, [f64; 3], f64)] = &[
     ),
     ("properties", "properties(red, (a, b, c), x).ior", [1.0, 0.0, 0.0], 1.5),
     ("patterned", "patterned(red, (a, b, c), x).pattern", [1.0, 0.0, 0.0], 0.0),
+    ("seams", "seams(red - sphere(0.95), (a, b, c), 0.2)", [1.0, 0.0, 0.0], 2.0),
     ("surrounding", "surrounding(red, (a, b, c), x).glow_radius", [1.0, 0.0, 0.0], 0.25),
 ];
 

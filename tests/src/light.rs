@@ -82,7 +82,11 @@ impl View {
         let program = legalised(&made.program, made.probe.expect("a probe"));
         let (columns, counts) = run(&program, &self.frame());
         let called = |name: &str| {
-            let functions = program.functions.iter().enumerate().filter(|(_, f)| f.name.trim_end_matches("_stride") == name);
+            let functions = program
+                .functions
+                .iter()
+                .enumerate()
+                .filter(|(_, f)| f.name.trim_end_matches("_stride") == name);
             functions.map(|(i, _)| counts.calls_of(FunctionId(i as u32))).sum::<u64>()
         };
         let evaluations = match called("solids") {

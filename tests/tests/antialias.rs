@@ -69,7 +69,11 @@ fn rays_that_are_left_out_would_not_change_the_picture() {
     for example in examples().into_iter().chain([wires()]) {
         let (wrong, most, rays, all) = left_out(&example, &Options::default());
         println!("{}: {rays} of {all} rays, at most {most:.2}/255 apart", example.name);
-        assert!(wrong == 0, "{}: {wrong} pixels are more than 2/255 apart, {most:.2}/255 at most", example.name);
+        assert!(
+            wrong == 0,
+            "{}: {wrong} pixels are more than 2/255 apart, {most:.2}/255 at most",
+            example.name
+        );
         (few, many) = (few + rays, many + all);
     }
     println!("{few} of {many}");
@@ -97,7 +101,8 @@ fn what_tells_where_all_rays_are_needed_is_needed() {
         ("antialias.sdf", "< 3 / 255", "< 30 / 255"),
     ] {
         let wrong = |example: Example| left_out(&example, &replaced(file, from, to)).0;
-        let wrong = wrong(wires()) + examples().into_iter().filter(|e| e.name == "die").map(wrong).sum::<usize>();
+        let wrong =
+            wrong(wires()) + examples().into_iter().filter(|e| e.name == "die").map(wrong).sum::<usize>();
         assert!(wrong > 0, "{from} → {to}: no pixel is more than 2/255 apart");
     }
 }
@@ -110,9 +115,11 @@ fn pixels_are_the_mean_of_their_parts() {
         scene { plane().paint(#806040), sphere(0.7).at(-0.5, 0.7, 0).paint(#3070c0), box(0.4).at(0.9, 0.4, 0.3).paint(#f0f0f0) }";
     // Each pixel's 256 parts are pixels of a picture of 16 times its size.
     let with = |settings: &str| format!("render {{ {settings} }} {TEXT}");
-    let parts = View { size: [48 * 16, 27 * 16], ..VIEW }.light(&with("tolerance: 0.16"), &Options::default());
+    let parts =
+        View { size: [48 * 16, 27 * 16], ..VIEW }.light(&with("tolerance: 0.16"), &Options::default());
     let mean = |x: usize, y: usize| -> Vector {
-        let parts = (0..256).map(|i| parts[(y * 16 + i / 16) * 48 * 16 + x * 16 + i % 16].map(|c| c.clamp(0.0, 1.0)));
+        let parts =
+            (0..256).map(|i| parts[(y * 16 + i / 16) * 48 * 16 + x * 16 + i % 16].map(|c| c.clamp(0.0, 1.0)));
         times(parts.fold([0.0; 3], plus), 1.0 / 256.0)
     };
     let apart = |samples: u32| -> (f64, f64) {

@@ -54,7 +54,8 @@ impl World {
             HORIZON[0], HORIZON[1], HORIZON[2], ZENITH[0], ZENITH[1], ZENITH[2], self.bounces
         );
         if self.fog > 0.0 {
-            text += &format!("fog {{ density: {}, color: ({}, {}, {}) }}\n", self.fog, FOG[0], FOG[1], FOG[2]);
+            text +=
+                &format!("fog {{ density: {}, color: ({}, {}, {}) }}\n", self.fog, FOG[0], FOG[1], FOG[2]);
         }
         text += "scene {\n";
         for Item { solid, matter } in &self.items {
@@ -81,7 +82,9 @@ impl World {
             crossings.into_iter().map(move |(t, normal)| (t, normal, i))
         });
         // Where glass stands on something opaque, that is what is met.
-        let first = |(t, _, i): &(f64, Vector, usize)| *t + if self.items[*i].matter.transmit > 0.0 { 1e-9 } else { 0.0 };
+        let first = |(t, _, i): &(f64, Vector, usize)| {
+            *t + if self.items[*i].matter.transmit > 0.0 { 1e-9 } else { 0.0 }
+        };
         let met = met.filter(|(t, ..)| *t > 1e-9).min_by(|a, b| first(a).total_cmp(&first(b)));
         let Some((t, normal, index)) = met else {
             let sky = mixed(HORIZON, ZENITH, direction[1].max(0.0));
@@ -201,7 +204,10 @@ fn mirrors(fog: f64) -> World {
     World {
         items: vec![
             Item { solid: Solid::Ball([0.0, 0.8, 0.0], 0.8), matter: mirror([0.2, 0.2, 0.3], 0.85) },
-            Item { solid: Solid::Box([1.5, 0.4, 0.6], [0.4, 0.4, 0.3]), matter: mirror([0.8, 0.3, 0.1], 0.4) },
+            Item {
+                solid: Solid::Box([1.5, 0.4, 0.6], [0.4, 0.4, 0.3]),
+                matter: mirror([0.8, 0.3, 0.1], 0.4),
+            },
             Item { solid: Solid::Ball([-1.3, 0.4, 0.9], 0.4), matter: opaque([0.1, 0.7, 0.3]) },
             Item { solid: Solid::Floor(0.0), matter: mirror([0.5, 0.45, 0.4], 0.25) },
         ],
@@ -273,7 +279,12 @@ fn without_what_makes_them_right_they_differ() {
         // The law upside down.
         (glass(0.0), "transmit.sdf", "{ 1 / ior } else { ior }", "{ ior } else { 1 / ior }"),
         // Without total reflection.
-        (glass(0.0), "transmit.sdf", "direction: if is_total { reflect(direction, at.normal) } else { bent }", "direction: bent"),
+        (
+            glass(0.0),
+            "transmit.sdf",
+            "direction: if is_total { reflect(direction, at.normal) } else { bent }",
+            "direction: bent",
+        ),
         // One field for all, in which glass has no border where it stands.
         (filled(), "transmit.sdf", "+ 2 * tolerance", "- 2 * tolerance"),
         // Who forgets the other way.

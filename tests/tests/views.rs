@@ -155,7 +155,9 @@ fn errors_at(text: &str, depths: &[f32]) -> Vec<f64> {
     let places = [0, 1, 2].map(along);
     let at = evaluate(&scene, scene.query.expect("asked for").gradient, &places);
     let slope = |i: usize| (1..4).map(|k| at[k][i] * at[k][i]).sum::<f64>().sqrt();
-    (0..count).map(|i| at[0][i].abs() / (slope(i) * (rays[7][i] + rays[8][i] * f64::from(depths[i])))).collect()
+    (0..count)
+        .map(|i| at[0][i].abs() / (slope(i) * (rays[7][i] + rays[8][i] * f64::from(depths[i]))))
+        .collect()
 }
 
 fn evaluate(scene: &Scene, function: FunctionId, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {

@@ -163,12 +163,14 @@ impl Rebuild {
         let all = vec![true; source.parameters.len()];
         let source = &with_results(source, &wanted);
         let copied = with_parameters(source, &all, self);
-        let trivial: Vec<Option<Trivial>> = copied.root().results.iter().map(|v| trivial(&copied, *v)).collect();
+        let trivial: Vec<Option<Trivial>> =
+            copied.root().results.iter().map(|v| trivial(&copied, *v)).collect();
         let yields: Vec<bool> = trivial.iter().map(|it| is_fixed || it.is_none()).collect();
         let copied = with_results(&copied, &yields);
         let takes = if is_fixed { all } else { used_parameters(&copied) };
         let mut trivial = trivial.into_iter();
-        let outcome = |is_wanted: &bool| match is_wanted.then(|| trivial.next().expect("one for each result")) {
+        let outcome = |is_wanted: &bool| match is_wanted.then(|| trivial.next().expect("one for each result"))
+        {
             None => Outcome::Unwanted,
             Some(None) => Outcome::Yielded,
             Some(Some(it)) => Outcome::Trivial(it),
@@ -387,7 +389,8 @@ mod tests {
         let mut program = Program::default();
         let mut b = Builder::new("inner", vec![float("x")]);
         let x = b.argument(RegionId::ROOT, 0);
-        let (sine, cosine, tangent) = (b.unary(Unary::Sin, x), b.unary(Unary::Cos, x), b.unary(Unary::Tan, x));
+        let (sine, cosine, tangent) =
+            (b.unary(Unary::Sin, x), b.unary(Unary::Cos, x), b.unary(Unary::Tan, x));
         let results = [sine, cosine, tangent].map(|v| (v, "".into())).to_vec();
         let inner = program.add(b.finish(results));
         // Only the entry's own use of the third result, which is none, would keep the tangent.
@@ -405,7 +408,12 @@ mod tests {
         let simple = simplified(&program);
         let counts: Vec<usize> = simple.functions.iter().map(|f| f.root().results.len()).collect();
         assert_eq!(counts, [1, 1, 1]);
-        let has = |op| simple.functions.iter().any(|f| f.nodes.iter().any(|n| matches!(n, Node::Unary(it, _) if *it == op)));
+        let has = |op| {
+            simple
+                .functions
+                .iter()
+                .any(|f| f.nodes.iter().any(|n| matches!(n, Node::Unary(it, _) if *it == op)))
+        };
         assert!(has(Unary::Sin) && !has(Unary::Cos) && !has(Unary::Tan));
     }
 

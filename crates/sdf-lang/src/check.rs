@@ -3,8 +3,8 @@
 use crate::builtin;
 use crate::contract::{self, Contract};
 use crate::errors;
-use crate::shading::{CALLS, is_shading};
 use crate::names::{Item, Items, Meaning, Names};
+use crate::shading::{CALLS, is_shading};
 use crate::value::{Candidate, Module};
 use rustc_hash::FxHashMap;
 use sdf_syntax::token::UNITS;

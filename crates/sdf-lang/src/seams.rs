@@ -24,7 +24,9 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Value<'t>> {
         let name: Arc<str> = Arc::from("seams");
         self.contexts.open(&name, None);
-        self.contexts.describe(Some(Arc::from("How many of the surfaces of which the scene is made are this near to a point.")));
+        self.contexts.describe(Some(Arc::from(
+            "How many of the surfaces of which the scene is made are this near to a point.",
+        )));
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
         let w = self.contexts.parameter(&Arc::from("width"), width, false);
         let mut near = Vec::new();
@@ -33,7 +35,8 @@ impl<'t> Elaborator<'t> {
             self.contexts.discard();
             return found.map(|()| Value::float(0.0));
         }
-        let sum = |this: &mut Self, a: Number, b: Number| this.contexts.apply(Op::Binary(Binary::Add), &[a, b]);
+        let sum =
+            |this: &mut Self, a: Number, b: Number| this.contexts.apply(Op::Binary(Binary::Add), &[a, b]);
         let sum = near.into_iter().reduce(|a, b| sum(self, a, b)).unwrap_or(Number::float(0.0));
         let template = Value::Number(sum.clone());
         Ok(self.close_with(&name, &template, vec![sum]))

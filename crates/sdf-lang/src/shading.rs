@@ -58,21 +58,24 @@ impl<'t> Elaborator<'t> {
         let (visibility, color) = (local("visibility", Type::Float), local("seen", Type::Vec3));
         let direction = local("direction", Type::Vec3);
         let lights = self.light_names.iter().enumerate().filter(|(_, (_, shines))| *shines);
-        let lights = Value::list((0..lights.count()).map(|i| light(direction.clone(), direction.clone(), i as f64)).collect());
+        let lights = Value::list(
+            (0..lights.count()).map(|i| light(direction.clone(), direction.clone(), i as f64)).collect(),
+        );
         let mut surface = surface;
         surface.push((Arc::from("lights"), lights.clone()));
         let noted = calls.clone();
         let answer = visibility.clone();
-        let shadow = native("shadow(light)", "`light` is one of the scene's lights", move |given| match given {
-            [light] => index_of(light).map(|index| {
-                // One that never shines has none.
-                if index >= 0.0 {
-                    noted.borrow_mut().shadows.insert(index as usize);
-                }
-                answer.clone()
-            }),
-            _ => None,
-        });
+        let shadow =
+            native("shadow(light)", "`light` is one of the scene's lights", move |given| match given {
+                [light] => index_of(light).map(|index| {
+                    // One that never shines has none.
+                    if index >= 0.0 {
+                        noted.borrow_mut().shadows.insert(index as usize);
+                    }
+                    answer.clone()
+                }),
+                _ => None,
+            });
         let noted = calls.clone();
         let occlusion = native("occlusion()", "it takes no arguments", move |given| {
             noted.borrow_mut().occlusion = true;
@@ -155,7 +158,9 @@ fn light<'t>(direction: Value<'t>, color: Value<'t>, index: f64) -> Value<'t> {
 /// The place in the renderer's list of a light that is given as a record; -1 of one that never shines.
 fn index_of(light: &Value<'_>) -> Option<f64> {
     let Value::Record(light) = light else { return None };
-    let (Some(Value::Number(index)), Some(_)) = (light.get("index"), light.get("direction")) else { return None };
+    let (Some(Value::Number(index)), Some(_)) = (light.get("index"), light.get("direction")) else {
+        return None;
+    };
     match index.known() {
         Some(Constant::Float(index)) => Some(index),
         _ => None,

@@ -164,18 +164,21 @@ impl<'t> Elaborator<'t> {
             }
         }
         const DOCS: [[&str; 2]; 2] = [
-            ["The distance from a point to what is opaque.", "The distance from a point to what is opaque and no half space."],
+            [
+                "The distance from a point to what is opaque.",
+                "The distance from a point to what is opaque and no half space.",
+            ],
             [
                 "The distance from a point to what lets light through.",
                 "The distance from a point to what lets light through and is no half space.",
             ],
         ];
-        for (wanted, all, marched, [of_all, of_marched]) in [
-            (false, "opaque", "opaque_solids", DOCS[0]),
-            (true, "clear", "clear_solids", DOCS[1]),
-        ] {
+        for (wanted, all, marched, [of_all, of_marched]) in
+            [(false, "opaque", "opaque_solids", DOCS[0]), (true, "clear", "clear_solids", DOCS[1])]
+        {
             let own = |only_solids: bool| -> Vec<Rc<Shape<'t>>> {
-                let own = parts.iter().filter(|(_, clear, solid)| *clear == wanted && (*solid || !only_solids));
+                let own =
+                    parts.iter().filter(|(_, clear, solid)| *clear == wanted && (*solid || !only_solids));
                 own.map(|(part, ..)| part.clone()).collect()
             };
             for (name, shapes, doc) in [(all, own(false), of_all), (marched, own(true), of_marched)] {

@@ -26,8 +26,7 @@ pub fn soft_shadow(field: &mut Probe, place: Vector, to_light: Vector, reach: f6
             return 0.0;
         }
         let (from, to) = (at[darkest.saturating_sub(1)], at[(darkest + 1).min(at.len() - 1)]);
-        let finer: Vec<f64> =
-            (0..=FINER).map(|i| from + (to - from) * i as f64 / FINER as f64).collect();
+        let finer: Vec<f64> = (0..=FINER).map(|i| from + (to - from) * i as f64 / FINER as f64).collect();
         let distances = field.along(place, to_light, &finer);
         least = finer.iter().zip(distances).fold(least, |least, (t, d)| least.min(lit(*t, d)));
     }

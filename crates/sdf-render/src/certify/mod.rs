@@ -140,7 +140,13 @@ impl Prover<'_> {
     pub fn ray(&mut self, coordinate: [f64; 2]) -> Ray {
         let results: [f64; 9] = run(&mut self.ray, &coordinate);
         let vector = |at: usize| [results[at], results[at + 1], results[at + 2]];
-        Ray { origin: vector(0), direction: vector(3), far: results[6], width: results[7], tolerance: results[8] }
+        Ray {
+            origin: vector(0),
+            direction: vector(3),
+            far: results[6],
+            width: results[7],
+            tolerance: results[8],
+        }
     }
 
     /// How often the field was evaluated over a region so far: the cost of the answers.

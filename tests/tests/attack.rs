@@ -9,8 +9,8 @@ use sdf_tests::attack::calls::{Calls, calls_of, doubtful};
 use sdf_tests::attack::definitions::Definitions;
 use sdf_tests::attack::forms::{Form, forms};
 use sdf_tests::attack::measures::{
-    class_name, excess, filled, not_finite, points_round, projection, rounded, size, steepest, steepest_pair,
-    surface,
+    class_name, dents, excess, filled, not_finite, points_round, projection, rounded, size, steepest,
+    steepest_pair, surface,
 };
 use sdf_tests::attack::points::{Points, Random, along, at, columns, exceeds, seed};
 use sdf_tests::attack::search::{Found, Solid, distance_to_curve};
@@ -125,6 +125,14 @@ fn attacked(attack: &Attack) -> Row {
     }
     if !subject.kind.is_shape() {
         return row;
+    }
+    if fact.is_convex
+        && let Some(complaint) = dents(subject, &points, &sampled.distance)
+    {
+        row.complain(complaint);
+    }
+    if attack.is_example && attack.form.is_convex && !fact.is_convex {
+        row.complain("it is said to be convex, and its example is not found to be".into());
     }
     let filled = filled(subject, &points, &sampled.distance);
     if filled.outside.0 > 0 {

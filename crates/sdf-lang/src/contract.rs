@@ -14,6 +14,8 @@ pub(crate) struct Contract<'t> {
     pub slope: Option<(&'t Expr, Span)>,
     /// `@bounds(lo, hi)`: the surface and the inside lie in that box.
     pub bounds: Option<(&'t Expr, &'t Expr, Span)>,
+    /// `@convex`: with any two points, the solid holds what lies between them; on an operator, if its shapes do.
+    pub convex: Option<Span>,
     pub requirements: Vec<Requirement<'t>>,
 }
 
@@ -35,7 +37,7 @@ pub(crate) struct Requirement<'t> {
 }
 
 /// The attributes that the language has.
-pub(crate) const ATTRIBUTES: [&str; 5] = ["exact", "bound", "lipschitz", "bounds", "requires"];
+pub(crate) const ATTRIBUTES: [&str; 6] = ["exact", "bound", "lipschitz", "bounds", "convex", "requires"];
 
 impl<'t> Contract<'t> {
     /// What the attributes of an item say; what is wrong with them is reported. Only a `fn` and a `let` take them.
@@ -64,6 +66,7 @@ impl<'t> Contract<'t> {
                 ("bounds", [AttributeArgument::Expr(lo), AttributeArgument::Expr(hi)]) => {
                     contract.bounds.replace((lo, hi, span)).map(|b| b.2)
                 }
+                ("convex", []) => contract.convex.replace(span),
                 ("requires", [AttributeArgument::Expr(condition), AttributeArgument::Text(message, _)]) => {
                     contract.requirements.push(Requirement { condition, message, span });
                     None
@@ -89,7 +92,7 @@ impl<'t> Contract<'t> {
     /// Where its first promise stands.
     pub fn place(&self) -> Option<Span> {
         let quality = self.quality.map(|q| q.1);
-        quality.or(self.slope.map(|s| s.1)).or(self.bounds.map(|b| b.2))
+        quality.or(self.slope.map(|s| s.1)).or(self.bounds.map(|b| b.2)).or(self.convex)
     }
 
     /// Whether it says anything.
@@ -99,7 +102,7 @@ impl<'t> Contract<'t> {
 
     /// Whether it promises anything of a field.
     pub fn promises(&self) -> bool {
-        self.quality.is_some() || self.slope.is_some() || self.bounds.is_some()
+        self.quality.is_some() || self.slope.is_some() || self.bounds.is_some() || self.convex.is_some()
     }
 
     /// The expressions in it, whose names must mean something: those of promises, and those of requirements.

@@ -398,6 +398,15 @@ pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
             ),
             "state `@bound` if it is never more than the distance".to_string(),
         ),
+        Broken::Convex { a, b, between } => (
+            format!(
+                "this shape is not convex: it holds {} and {}, but not {} between them",
+                point(a),
+                point(b),
+                point(between)
+            ),
+            "leave `@convex` out".to_string(),
+        ),
     };
     Diagnostic::new(Code::E053, span, message).label("does not hold").help(help)
 }

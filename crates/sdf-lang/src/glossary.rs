@@ -166,6 +166,10 @@ const ATTRIBUTES: &[(&str, &str)] = &[
         "bounds",
         "Promises a box in which the shape lies, as in `@bounds((-1, -1, -1), (1, 1, 1))`; with `level` in it, a box of the points where the field is at most that.",
     ),
+    (
+        "convex",
+        "Promises that a shape is convex: with any two points it holds what lies between them; an operator makes such a shape of such shapes.",
+    ),
     ("requires", "Demands something of arguments, as in `@requires(r > 0, \"r must be above 0\")`."),
 ];
 

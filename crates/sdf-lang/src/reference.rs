@@ -219,6 +219,13 @@ fn promises(contract: &Contract, is_operator: bool, quoted: impl Fn(Span) -> Str
             [lo, hi] => format!("its box reaches from `{lo}` to `{hi}`"),
         }
     }));
+    out.extend(contract.convex.map(|_| {
+        let words = match is_operator {
+            false => "convex: with any two points it holds what lies between them",
+            true => "convex if the shapes that it is given are",
+        };
+        words.to_string()
+    }));
     out
 }
 

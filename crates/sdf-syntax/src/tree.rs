@@ -38,7 +38,7 @@ pub struct Item {
 /// `@name(arguments)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute {
-    /// `exact`, `bound`, `lipschitz`, `bounds` or `requires`; the parser takes any name.
+    /// `exact`, `bound`, `lipschitz`, `bounds`, `convex` or `requires`; the parser takes any name.
     pub name: Name,
     /// What stands in the parentheses.
     pub arguments: Vec<AttributeArgument>,

@@ -65,7 +65,7 @@ fn row(fact: &Fact) -> Vec<String> {
     vec![
         format!("{}{}", "  ".repeat(fact.depth), fact.name),
         fact.line.map_or("-".into(), |line| line.to_string()),
-        class.to_string(),
+        format!("{class}{}", if fact.is_convex { " convex" } else { "" }),
         slope(fact),
         from,
         extent(&fact.extent, fact.is_flat),

@@ -13,6 +13,8 @@ pub struct Form {
     pub parameters: Vec<String>,
     /// Whether it makes what it makes from numbers alone, and not from shapes or functions.
     pub is_primitive: bool,
+    /// Whether it says that what it makes is convex, of convex shapes at least.
+    pub is_convex: bool,
     /// What its `@requires` say.
     pub requirements: Vec<String>,
     /// The calls in its doc comment.
@@ -28,6 +30,7 @@ pub fn forms() -> Vec<Form> {
             forms.push(Form {
                 name: entry.name.clone(),
                 is_primitive: !form.is_operator(),
+                is_convex: form.promises.iter().any(|promise| promise.starts_with("convex")),
                 signature: form.signature,
                 parameters: form.parameters.into_iter().map(|p| p.name).collect(),
                 requirements: form.requirements,

@@ -175,6 +175,39 @@ pub fn filled(subject: &Subject, points: &Points, distances: &[f64]) -> Filled {
     filled
 }
 
+/// Where the field of a shape that is said to be convex is none outside of it, as a function: above the straight line
+/// between what it is at two points. How often it is of so many pairs, and where it is the most.
+pub fn dents(subject: &Subject, points: &Points, distances: &[f64]) -> Option<String> {
+    let size = size(subject.fact());
+    let count = distances.len();
+    let mut random = Random::new(seed(&subject.call) ^ 0xc0c);
+    let partners: Vec<(usize, f64)> =
+        (0..count).map(|_| (random.below(count), random.within(0.0, 1.0))).collect();
+    let mixed = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let between = columns(partners.iter().enumerate().map(|(i, (j, t))| {
+        let (a, b) = (at(points, i), at(points, *j));
+        std::array::from_fn(|axis| mixed(a[axis], b[axis], *t))
+    }));
+    let there = subject.distances(&between);
+    let excess = |i: usize| {
+        let (j, t) = partners[i];
+        let line = mixed(distances[i].max(0.0), distances[j].max(0.0), t);
+        let lost = 1e-6 * size + 1e-12 * (length(at(points, i)) + length(at(points, j)));
+        there[i].max(0.0) - line - lost
+    };
+    let dents: Vec<usize> = (0..count).filter(|i| exceeds(excess(*i), 0.0)).collect();
+    let worst = dents.iter().copied().max_by(|a, b| excess(*a).total_cmp(&excess(*b)))?;
+    let (a, b) = (at(points, worst), at(points, partners[worst].0));
+    Some(format!(
+        "it is not convex for {} of {count} pairs: at {:?} the field is {}, between {a:?} with {} and {b:?} with {}",
+        dents.len(),
+        at(&between, worst),
+        there[worst],
+        distances[worst],
+        distances[partners[worst].0]
+    ))
+}
+
 /// How much longer a box is than what was found in it, along the axis where that is most.
 pub fn excess(fact: &Fact, found: &Extent, axes: usize) -> f64 {
     let extent = &fact.extent;

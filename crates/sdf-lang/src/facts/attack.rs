@@ -21,6 +21,13 @@ const REACH: f64 = 16.0;
 const DISTANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// By how much a slope may exceed what is promised: the rounding of the difference of two distances.
 const SLACK: f64 = 1e-6;
+/// How often points are led on to the surface, by the gradient there.
+const PROJECTIONS: usize = 4;
+/// With how many others each point of a shape that is said to be convex is tried.
+const PARTNERS: usize = 4;
+/// What counts as a point of a shape, and what as one outside of it, as shares of the size: sheets hold no others.
+const HELD: f64 = 1e-9;
+const BEYOND: f64 = 1e-6;
 /// How often the way between two points is halved to see whether the field jumps there.
 const HALVINGS: usize = 20;
 /// For how many values of the params, and times, the points are tried.
@@ -39,6 +46,8 @@ pub(crate) enum Broken {
     /// A point where the field is not the distance: the point that is that far away along the gradient is not on
     /// the surface, but the field is this much there.
     Exact { at: [f64; 3], distance: f64, left: f64 },
+    /// Two points of the shape, and one between them that is not.
+    Convex { a: [f64; 3], b: [f64; 3], between: [f64; 3] },
 }
 
 impl<'t> Elaborator<'t> {
@@ -78,6 +87,7 @@ impl<'t> Elaborator<'t> {
         let Some(field) = Attacked::new(self, shape)? else { return Ok(None) };
         let extent = self.extent_of(shape, 0.0)?;
         let slope = self.slope_of(shape)?;
+        let is_convex = self.claims_convex(&stated)?;
         let tried = tried(&extent);
         for frame in 0..FRAMES {
             let uniforms: Vec<Constant> =
@@ -85,6 +95,11 @@ impl<'t> Elaborator<'t> {
             let points = scattered(&tried, points / FRAMES + 8, frame as u64, field.axes);
             if let Some((_, _, span)) = stated.contract.bounds
                 && let Some(broken) = field.outside(&uniforms, &points, &extent)
+            {
+                return Ok(Some((span, broken)));
+            }
+            if let Some(span) = stated.contract.convex.filter(|_| is_convex)
+                && let Some(broken) = field.dented(&uniforms, &extent, points.len(), frame as u64)
             {
                 return Ok(Some((span, broken)));
             }
@@ -203,30 +218,59 @@ impl Attacked {
         best
     }
 
+    /// Two points of the shape and one between them outside of it. Points are tried that lie in its box, and those of its
+    /// surface to which their gradients lead.
+    fn dented(&self, uniforms: &[Constant], extent: &Extent, count: usize, seed: u64) -> Option<Broken> {
+        let near = tried(extent).intersection(extent);
+        if near.is_empty() {
+            return None;
+        }
+        let size = near.size().into_iter().fold(0.0, f64::max).max(1e-3);
+        let mut held = Vec::new();
+        let mut points = scattered(&near, count, seed, self.axes);
+        for _ in 0..PROJECTIONS {
+            let distances = self.distances(uniforms, &points);
+            let is_held = |i: &usize| distances[*i] <= HELD * size;
+            held.extend((0..points.len()).filter(is_held).map(|i| points[i]));
+            let gradients = self.gradients(uniforms, &points, 1e-6 * size);
+            let onto = |i: usize| -> [f64; 3] {
+                let steepness = gradients[i].iter().map(|x| x * x).sum::<f64>().max(1e-3);
+                std::array::from_fn(|axis| points[i][axis] - gradients[i][axis] * distances[i] / steepness)
+            };
+            points = (0..points.len()).map(onto).collect();
+        }
+        let pairs: Vec<_> = (0..held.len() * PARTNERS).map(|i| pair(&held, i, seed)).collect();
+        let between: Vec<[f64; 3]> = pairs.iter().map(|(.., between)| *between).collect();
+        let distances = self.distances(uniforms, &between);
+        let found = pairs.into_iter().zip(distances).find(|(_, d)| *d > BEYOND * size);
+        found.map(|((a, b, between), _)| Broken::Convex { a, b, between })
+    }
+
+    /// The gradients at points, from the differences over a step.
+    fn gradients(&self, uniforms: &[Constant], points: &[[f64; 3]], step: f64) -> Vec<[f64; 3]> {
+        let slopes: Vec<Vec<f64>> = (0..self.axes)
+            .map(|axis| {
+                let shifted = |by: f64| -> Vec<[f64; 3]> {
+                    let coordinate = |p: &[f64; 3], i: usize| p[i] + if i == axis { by } else { 0.0 };
+                    points.iter().map(|p| std::array::from_fn(|i| coordinate(p, i))).collect()
+                };
+                let (ahead, behind) =
+                    (self.distances(uniforms, &shifted(step)), self.distances(uniforms, &shifted(-step)));
+                ahead.iter().zip(behind).map(|(a, b)| (a - b) / (2.0 * step)).collect()
+            })
+            .collect();
+        (0..points.len())
+            .map(|i| std::array::from_fn(|axis| slopes.get(axis).map_or(0.0, |s| s[i])))
+            .collect()
+    }
+
     /// A point outside from which the way along the gradient does not end on the surface. Points at which the
     /// gradient changes nearby are left out: there the nearest point of the surface is not one alone.
     fn inexact(&self, uniforms: &[Constant], points: &[[f64; 3]], tried: &Extent) -> Option<Broken> {
-        let gradients = |points: &[[f64; 3]], step: f64| -> Vec<[f64; 3]> {
-            let slopes: Vec<Vec<f64>> = (0..self.axes)
-                .map(|axis| {
-                    let shifted = |by: f64| -> Vec<[f64; 3]> {
-                        points
-                            .iter()
-                            .map(|p| std::array::from_fn(|i| p[i] + if i == axis { by } else { 0.0 }))
-                            .collect()
-                    };
-                    let (ahead, behind) =
-                        (self.distances(uniforms, &shifted(step)), self.distances(uniforms, &shifted(-step)));
-                    ahead.iter().zip(behind).map(|(a, b)| (a - b) / (2.0 * step)).collect()
-                })
-                .collect();
-            (0..points.len())
-                .map(|i| std::array::from_fn(|axis| slopes.get(axis).map_or(0.0, |s| s[i])))
-                .collect()
-        };
         let size = tried.size().into_iter().fold(0.0, f64::max).max(1e-3);
         let here = self.distances(uniforms, points);
-        let (fine, coarse) = (gradients(points, 1e-6 * size), gradients(points, 1e-3 * size));
+        let (fine, coarse) =
+            (self.gradients(uniforms, points, 1e-6 * size), self.gradients(uniforms, points, 1e-3 * size));
         let ends: Vec<[f64; 3]> = (0..points.len())
             .map(|i| std::array::from_fn(|axis| points[i][axis] - here[i] * fine[i][axis]))
             .collect();
@@ -237,6 +281,14 @@ impl Attacked {
             .find(|i| there[*i].abs() > 1e-3 * size)
             .map(|i| Broken::Exact { at: points[i], distance: here[i], left: there[i] })
     }
+}
+
+/// Two of some points, and one between them.
+fn pair(points: &[[f64; 3]], i: usize, seed: u64) -> ([f64; 3], [f64; 3], [f64; 3]) {
+    let any = |n: u64| random(1 << 55 | seed << 40 | (i as u64 * 2 + n));
+    let (a, b) = (points[i / PARTNERS], points[(any(0) * points.len() as f64) as usize % points.len()]);
+    let t = any(1);
+    (a, b, std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * t))
 }
 
 /// The box that points are tried in: that of the shape and as much round it.

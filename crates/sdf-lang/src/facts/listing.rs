@@ -35,6 +35,8 @@ pub struct Fact {
     pub slope_everywhere: f64,
     /// The box that the surface and the inside lie in.
     pub extent: Extent,
+    /// Whether it is convex: with any two points it holds what lies between them.
+    pub is_convex: bool,
     /// Whether it is an area of the plane.
     pub is_flat: bool,
     /// What changes it from frame to frame: `time`, `mouse` and the names of params; nothing for a static one.
@@ -136,6 +138,7 @@ impl<'t> Elaborator<'t> {
             slope: slope.within,
             slope_everywhere: slope.everywhere,
             extent,
+            is_convex: self.is_convex(shape)?,
             is_flat: shape.dimension == Dimension::Two,
             depends_on,
             operations,

@@ -7,6 +7,7 @@
 mod ask;
 mod attack;
 mod boxes;
+mod convex;
 mod derive;
 mod influence;
 mod listing;
@@ -16,6 +17,7 @@ use crate::contract::{Contract, Quality};
 use crate::eval::{Elaborator, Eval};
 use crate::value::{Env, Module, Origin, Shape, ShapeKind, Thunk, Value};
 pub(crate) use attack::Broken;
+use convex::Convexity;
 use derive::Formula;
 pub(crate) use derive::Gain;
 pub(crate) use influence::Steep;
@@ -70,6 +72,7 @@ pub(crate) struct Facts<'t> {
     parts_behind: HashMap<*const (), Vec<Rc<Shape<'t>>>>,
     steep_parts: HashMap<*const (), Extent>,
     better_regions: HashMap<*const (), bool>,
+    convexities: HashMap<*const (), Convexity>,
     /// The shapes whose places are keys: as long as they are kept, no other shape gets their places.
     kept: Vec<Rc<Shape<'t>>>,
     frame: Growing,
@@ -92,6 +95,7 @@ impl<'t> Facts<'t> {
             parts_behind: HashMap::new(),
             steep_parts: HashMap::new(),
             better_regions: HashMap::new(),
+            convexities: HashMap::new(),
             kept: Vec::new(),
             frame: Growing::new(),
             open: (u32::MAX, Growing::new()),

@@ -54,7 +54,9 @@ fn the_library_requires_what_its_shapes_need() {
 
 #[test]
 fn promises_that_hold_are_taken() {
-    for promise in ["exact", "bound", "bounds((-1, -1, -1), (1, 1, 1))", "bounds(-1, 1)", "lipschitz(1)"] {
+    for promise in
+        ["exact", "bound", "bounds((-1, -1, -1), (1, 1, 1))", "bounds(-1, 1)", "lipschitz(1)", "convex"]
+    {
         check(&format!("@{promise} fn f() = sphere(1) scene {{ f() }}"), &[]);
         check(&format!("@{promise} let f = sphere(1) scene {{ f.at(0, 1, 0) }}"), &[]);
     }
@@ -123,7 +125,7 @@ fn attributes_that_mean_nothing_are_mistakes() {
     check(
         "@inline fn f() = 1",
         &[
-            "E020: there is no attribute `@inline`; the attributes are @exact, @bound, @lipschitz, @bounds, @requires",
+            "E020: there is no attribute `@inline`; the attributes are @exact, @bound, @lipschitz, @bounds, @convex, @requires",
         ],
     );
     check(

@@ -268,6 +268,7 @@ fn every_attribute_has_a_row() {
         ("bound", "", "(1)"),
         ("lipschitz", "(1)", "(1, 2)"),
         ("bounds", "(-1, 1)", "(1)"),
+        ("convex", "", "(1)"),
         ("requires", "(true, \"a\")", "(true)"),
     ];
     covers(rows.iter().map(|(name, ..)| name.to_string()), vocabulary().attributes);

@@ -44,6 +44,7 @@ mod signs;
 mod solids;
 mod stride;
 mod surface;
+mod unshadowed;
 mod value;
 mod view;
 mod vocabulary;

@@ -120,6 +120,7 @@ impl<'t> Elaborator<'t> {
         }
         let facts = if options.facts { self.facts_of(&union)? } else { Vec::new() };
         self.warn_beyond_far(&shapes, &settings, first_word(place))?;
+        let settings = self.without_idle_shadows(&union, settings)?;
         let count = shapes.len();
         let origin = self.find_origin(&settings);
         let query = match origin {

@@ -589,6 +589,9 @@ fn light_record<'t>(directional: bool, at: Number, color: Number, shadow: Shadow
         (Arc::from("at"), Value::Number(at)),
         (Arc::from("color"), Value::Number(color)),
         (Arc::from("casts"), Value::bool(casts)),
+        // What is proved of it later, and what is left of its shadow then.
+        (Arc::from("unshadowed"), Value::bool(false)),
+        (Arc::from("cut"), Value::bool(false)),
         (Arc::from("soft"), Value::bool(soft)),
         (Arc::from("softness"), Value::Number(softness.named(&Arc::from("softness")))),
     ])

@@ -202,7 +202,7 @@ impl<'t> Elaborator<'t> {
 
     /// Whether the eye may be in the scene's solids, for some values of the params and at some times; of parallel rays, which
     /// begin all over the plane of the eye, some may.
-    fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Fields<'t>) -> Eval<bool> {
+    pub fn may_be_inside(&mut self, map: &Rc<Shape<'t>>, camera: &Fields<'t>) -> Eval<bool> {
         match (camera.get("eye"), camera.get("orbits")) {
             (Some(Value::Number(eye)), Some(Value::Number(orbits)))
                 if !camera.get("parallel").is_some_and(Value::is_true)

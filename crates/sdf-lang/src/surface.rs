@@ -176,7 +176,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// The record of the properties in use, the others being their defaults.
-    fn surface_record(
+    pub fn surface_record(
         &mut self,
         asked: &[Column],
         shape: &Rc<Shape<'t>>,

@@ -342,10 +342,23 @@ impl<'t> Elaborator<'t> {
 
     /// A lower bound on a field at these points, for all values of the params and at all times.
     pub fn least_distance(&mut self, shape: &Rc<Shape<'t>>, points: &Bounds) -> Eval<f64> {
-        let Some(function) = self.plain_formula(shape)? else { return Ok(f64::NEG_INFINITY) };
+        Ok(self.distances(shape, points)?.lo)
+    }
+
+    /// Where a field lies at these points, for all values of the params and at all times.
+    pub fn distances(&mut self, shape: &Rc<Shape<'t>>, points: &Bounds) -> Eval<Interval> {
+        let Some(function) = self.plain_formula(shape)? else { return Ok(Interval::ALL) };
         let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
         let program = &self.contexts.program;
-        Ok(sdf_ir::interval::bounds(program, &function, &[*points], &uniforms, &globals)[0].number().lo)
+        Ok(sdf_ir::interval::bounds(program, &function, &[*points], &uniforms, &globals)[0].number())
+    }
+
+    /// Where a field's gradient lies over a region, likewise. Over a single point no field changes, so that says nothing.
+    pub fn gradient_over(&mut self, shape: &Rc<Shape<'t>>, region: &Bounds) -> Eval<[Interval; 3]> {
+        let Some(function) = self.plain_formula(shape)? else { return Ok([Interval::ALL; 3]) };
+        let (uniforms, globals) = (self.bounds_of_uniforms(), self.bounds_of_globals());
+        let mut walker = Walker::<Sloped>::new(&self.contexts.program, &function, &uniforms, &globals);
+        Ok(walker.run(&[Sloped::point(*region)])[0].slopes.gradient(0))
     }
 
     /// A field as a function of the point alone; nothing if it is made from what an open function computes.

@@ -212,7 +212,7 @@ fn effects_are_in_the_program_only_where_they_are_called_for() {
         ("render { relax: none }".into(), String::new(), "plain_step", ""),
     ];
     for (with, without, function, effect) in rows {
-        let shape = if with.contains("material m") { "sphere(1).paint(m)" } else { "sphere(1)" };
+        let shape = if with.contains("material m") { "torus(1, 0.3).paint(m)" } else { "torus(1, 0.3)" };
         let [with, without] = [with, without].map(|items| scene(&format!("{items}\nscene {{ {shape} }}")));
         assert_eq!(Reached::of(&with).count(function), 1, "`{function}` in {:?}", Reached::of(&with).names());
         assert_eq!(Reached::of(&without).count(function), 0, "`{function}` is not called for");

@@ -4,10 +4,13 @@
 use sdf_emit::Target;
 use sdf_lang::Options;
 use sdf_render::{Frame, Picture, cpu};
+use sdf_tests::attack::points::Random;
 use sdf_tests::scenes::scene;
 use sdfc::Clock;
 
 const SIZE: [u32; 2] = [128, 72];
+/// 0.1 % of the pixels.
+const FEW: usize = (SIZE[0] * SIZE[1]) as usize / 1000;
 const MATTE: &str = "material matte { specular: 0 }";
 
 /// A ring out of sight, below all and behind the eye, because of which nothing is known of a scene.
@@ -92,6 +95,27 @@ fn free() -> Vec<(&'static str, String)> {
                 "{MATTE} param r = 1 in 0.5..1.5
                  light sun {{ direction: (cos(time), 0.4, sin(time)), shadow: SHADOW }}
                  scene {{ sphere(r).paint(matte), REST }}"
+            ),
+        ),
+        (
+            "a light that swings past balls side by side",
+            format!(
+                "{MATTE} param u = 0 in -0.5..0.5 light sun {{ direction: (u, 1, 0.1 * u), shadow: SHADOW }}
+                 scene {{ for z in [-1.5, 1.5] {{ sphere(0.8).at(u, 0, z).paint(matte) }}, REST }}"
+            ),
+        ),
+        (
+            "a light that turns across a row of balls",
+            format!(
+                "{MATTE} light sun {{ direction: (0, cos(time), sin(time)), shadow: SHADOW }}
+                 scene {{ for x in [-1.5, 1.5] {{ sphere(0.8).at(x, 0, 0).paint(matte) }}, REST }}"
+            ),
+        ),
+        (
+            "a lamp that swings between balls",
+            format!(
+                "{MATTE} param u = 0 in -0.5..0.5 light lamp {{ position: (u, 3, u), shadow: SHADOW }}
+                 scene {{ for z in [-2, 2] {{ box((1, 0.8, 0.6)).at(u, 0, z).paint(matte) }}, REST }}"
             ),
         ),
         (
@@ -197,10 +221,8 @@ fn a_shadow_that_nothing_can_fall_into_leaves_no_trace() {
         assert!(with == without, "{name}: there is a trace of the shadow");
         let forced = unknown(&template, "hard");
         assert!(!casts(&known(&template, "hard")) && casts(&forced), "{name}");
-        let found = differing(&picture(&known(&template, "hard")), &picture(&forced), 1);
-        let (a, b, c) = (picture(&known(&template, "hard")), picture(&forced), picture(&unknown(&template, "none")));
-        eprintln!("{name}: {found}; forced hard - none {}, known none - unknown none {}", differing(&b, &c, 1), differing(&a, &c, 1));
-        for (i, (a, b)) in a.rgba.chunks(4).zip(b.rgba.chunks(4)).enumerate() { if a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1) { eprintln!("  {} {}: {a:?} {b:?} {:?}", i % 128, i / 128, &c.rgba[4*i..4*i+4]); } }
+        let found = differing(&picture(&forced), &picture(&unknown(&template, "none")), 1);
+        assert_eq!(found, 0, "{name}: a shadow falls on something");
     }
 }
 
@@ -211,4 +233,119 @@ fn a_shadow_that_something_may_fall_into_stays() {
         let [with, without] = [shadow, "none"].map(|shadow| texts(&known(&template, shadow)));
         assert!(casts(&known(&template, shadow)) && with != without, "{name}: the shadow is left out");
     }
+}
+
+/// A shadow ends highlights too. Where a light comes from behind, they would else reach round to what is turned away from it.
+#[test]
+fn a_highlight_ends_where_the_light_does() {
+    let template = format!(
+        "{CAMERA} material glossy {{ specular: 1, shininess: 8 }} ambient {{ color: 0.05 }}
+         light sun {{ direction: (0.2, 0.6, -1), shadow: SHADOW }} scene {{ sphere(1.5).paint(glossy), REST }}"
+    );
+    let left_out = known(&template, "hard");
+    assert!(!casts(&left_out));
+    let forced = picture(&unknown(&template, "hard"));
+    let found = differing(&picture(&left_out), &forced, 1);
+    assert!(found <= FEW, "{found} pixels differ");
+    let reaching = differing(&picture(&known(&template, "none")), &forced, 1);
+    assert!(reaching > 10 * FEW, "only {reaching} pixels have a highlight that reaches too far");
+}
+
+/// Over half spaces a soft shadow is none where the light is so high that no ray has half spaces near by for long.
+#[test]
+fn a_soft_shadow_over_half_spaces_is_none_where_the_light_is_high() {
+    let scene = |light: &str, parts: &str| {
+        format!(
+            "{CAMERA} param k = 8 in 0.1..9 light sun {{ {light}, shadow: SHADOW }}
+             scene {{ {parts}, REST }}"
+        )
+    };
+    let high = "direction: (1, 2, 1.5)";
+    let [floor, corner] = ["plane(y, 1)", "plane(y, 1), plane(x, 3)"].map(|parts| scene(high, parts));
+    for (template, shadow) in [(&floor, "soft(2)"), (&corner, "soft(4)"), (&corner, "soft(32)")] {
+        let [with, without] = [shadow, "none"].map(|shadow| texts(&known(template, shadow)));
+        assert!(with == without, "{shadow} leaves a trace in {template}");
+        let [with, without] = [shadow, "none"].map(|shadow| picture(&unknown(template, shadow)));
+        assert_eq!(differing(&with, &without, 1), 0, "{shadow} in {template}");
+    }
+    let low = scene("direction: (1, 0.05, 0)", "plane(y, 1)");
+    let ball = scene(high, "plane(y, 1), sphere(1)");
+    let lamp = scene("position: (0, 4, 1)", "plane(y, 1)");
+    for (template, shadow) in [
+        (&floor, "soft(0.9)"),
+        (&floor, "soft(k)"),
+        (&low, "soft(8)"),
+        (&ball, "soft(8)"),
+        (&lamp, "soft(8)"),
+    ] {
+        assert!(casts(&known(template, shadow)), "{shadow} is left out in {template}");
+    }
+    // A lower one is not none.
+    let [with, without] = ["soft(8)", "none"].map(|shadow| picture(&known(&low, shadow)));
+    assert!(differing(&with, &without, 1) > 10 * FEW);
+}
+
+/// A scene of a few convex shapes and a light, all anywhere.
+fn random_scene(random: &mut Random) -> String {
+    let vector = |random: &mut Random, reach: f64| {
+        let [x, y, z] = [0; 3].map(|_| random.within(-reach, reach));
+        format!("({x:.3}, {y:.3}, {z:.3})")
+    };
+    let shape = |random: &mut Random| {
+        let [a, b, c] = [0; 3].map(|_| random.within(0.2, 0.9));
+        let shape = match random.below(8) {
+            0 => format!("sphere({a:.3})"),
+            1 => format!("box(({a:.3}, {b:.3}, {c:.3}))"),
+            2 => format!("ellipsoid(({a:.3}, {b:.3}, {c:.3}))"),
+            3 => format!("cone({a:.3}, {b:.3})"),
+            4 => format!("cylinder({a:.3}, {b:.3}).round(0.1)"),
+            5 => format!("octahedron({a:.3}).scale((1, 1.2, 0.7))"),
+            6 => format!("ngon(5, {a:.3}).extrude({b:.3})"),
+            _ => format!("(box({a:.3}) & sphere({b:.3}).at(0.1, 0, 0))"),
+        };
+        let (axis, angle, place) = (vector(random, 1.0), random.within(-3.0, 3.0), vector(random, 2.2));
+        format!("{shape}.rotate({axis}, {angle:.3}).at({place}).paint(matte), ")
+    };
+    let count = 1 + random.below(3);
+    let mut parts: String = (0..count).map(|_| shape(random)).collect();
+    if random.below(4) == 0 {
+        parts += &format!("plane({}, {:.3}).paint(matte), ", vector(random, 1.0), random.within(2.5, 4.0));
+    }
+    let light = match random.below(2) {
+        0 => format!("direction: {}", vector(random, 1.0)),
+        _ => format!("position: {}", vector(random, 4.0)),
+    };
+    let [x, y, z] = random.direction(3).map(|x| x * 8.0);
+    format!(
+        "camera {{ eye: ({x:.3}, {y:.3}, {z:.3}) }} {MATTE} ambient {{ color: 0.05 }}
+         light sun {{ {light}, shadow: SHADOW }} scene {{ {parts} REST }}"
+    )
+}
+
+/// How many random scenes there are, and how many of them at least are known to have no shadow.
+const SCENES: usize = 200;
+const LEFT_OUT: usize = 20;
+
+#[test]
+fn what_is_left_out_of_random_scenes_has_no_shadow() {
+    let mut random = Random::new(25);
+    let (mut left_out, mut free, mut naive) = (0, 0, 0);
+    for _ in 0..SCENES {
+        let template = random_scene(&mut random);
+        let [forced, none] = ["hard", "none"].map(|shadow| picture(&unknown(&template, shadow)));
+        let dark = differing(&forced, &none, 1);
+        free += usize::from(dark == 0);
+        if casts(&known(&template, "hard")) {
+            // All these scenes are of convex shapes; that alone proves nothing.
+            naive += usize::from(dark > FEW);
+            continue;
+        }
+        left_out += 1;
+        assert_eq!(dark, 0, "a shadow falls on something in {template}");
+    }
+    eprintln!(
+        "{SCENES} scenes: {free} without a visible shadow, {left_out} known, {naive} refute the naive one"
+    );
+    assert!(left_out >= LEFT_OUT, "only {left_out} are left out");
+    assert!(naive >= LEFT_OUT, "only {naive} scenes tell a shadow from none");
 }

@@ -64,6 +64,8 @@ fn promises_that_hold_are_taken() {
         "@lipschitz(1.5 * slope(s)) fn wide(s: shape) = field { s(p * 1.5) } scene { wide(sphere(1)) }",
         &[],
     );
+    // An operator makes convex shapes of such shapes alone.
+    check("@convex fn same(s: shape) = field { s(p) } scene { same(torus(1, 0.3)), same(box(1)) }", &[]);
     check("@bounds(lo(s) - 1, hi(s) + 1) fn fat(s: shape) = s.round(1) scene { fat(box(1)) }", &[]);
 }
 
@@ -91,6 +93,18 @@ fn promises_that_do_not_hold_are_mistakes() {
     begins(
         "@bounds(-1, (1, 0.5, 1)) let ball = sphere(1) scene { ball }",
         &["E053: the shape has a point outside of this box, at "],
+    );
+    begins(
+        "@convex let ring = torus(1, 0.3) scene { ring }",
+        &["E053: this shape is not convex: it holds ("],
+    );
+    // A sheet has no inside; points of it are found all the same.
+    let fold = "quad((-1, 0, 0), (0, 1, 1), (1, 0, 0), (0, -1, 1))";
+    begins(&format!("@convex let fold = {fold} scene {{ fold }}"), &["E053: this shape is not convex: "]);
+    begins("param gap = 0 in 0..0.5 @convex fn f() = sphere(1) - plane(x, -1 + gap) scene { f() }", &[""; 0]);
+    begins(
+        "param gap = 0 in 0..0.5 @convex fn f() = box(1) - box((gap, 2, 0.5)).at(0, 0, 1) scene { f() }",
+        &["E053: this shape is not convex: "],
     );
     // A param's whole range is tried.
     begins(

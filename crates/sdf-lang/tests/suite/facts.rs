@@ -146,3 +146,31 @@ fn facts_tell_what_a_shape_depends_on() {
     assert!(depends("box").is_empty());
     assert_eq!(fact(text, "a").line, Some(2));
 }
+
+#[test]
+fn convex_shapes_are_known_behind_operators() {
+    let stone = "@convex @bound fn stone(r) = field { max(length(p), abs(p.y) + 0.2 * r) - r }";
+    let rows = [
+        ("scene { sphere(1).at(0, 1, 0) }", "at", true),
+        ("scene { torus(1, 0.3).at(0, 1, 0) }", "at", false),
+        ("scene { box(1).round(0.2).rotate_x(1) }", "rotate_x", true),
+        ("scene { sphere(1) & box(0.8) }", "intersection", true),
+        ("scene { sphere(1) & torus(1, 0.3) }", "intersection", false),
+        ("scene { sphere(1) - box(0.5) }", "difference", false),
+        ("scene { ngon(5, 1).extrude(0.5) }", "extrude", true),
+        ("scene { star(5, 1, 0.5).extrude(0.5) }", "extrude", false),
+        ("scene { box(1).elongate((0.1, 0, 0)) }", "elongate", false),
+        ("param r = true scene { if r { sphere(1) } else { box(1) } }", "if", true),
+        ("param r = true scene { if r { sphere(1) } else { torus(1, 0.3) } }", "if", false),
+        ("let slope = field { dot(p, (0.6, 0.8, 0)) - 1 } scene { slope }", "slope", true),
+        ("fn ball(r) = field { length(p) - r } scene { ball(1) }", "ball", false),
+        ("@convex fn ball(r) = field { length(p) - r } scene { ball(1) }", "ball", true),
+        // The promise is about the solid: of its field further out nothing is known unless that is the distance.
+        ("@convex fn ball(r) = field { length(p) - r } scene { ball(1).round(0.1) }", "round", false),
+        ("@convex @exact fn ball(r) = field { length(p) - r } scene { ball(1).round(0.1) }", "round", true),
+    ];
+    for (text, name, expected) in rows {
+        assert_eq!(fact(text, name).is_convex, expected, "{text}");
+    }
+    assert!(fact(&format!("{stone} scene {{ stone(1) }}"), "stone").is_convex);
+}

@@ -19,8 +19,8 @@
 //! samples at least `1/√2` of that (`runtime/light.sdf`).
 //!
 //! A shadow also puts out the highlight where a surface is turned away from the light. As h lies in the middle between l and
-//! the direction v to the eye, `n·h` is at most `sin(θ/2)` there, with θ between l and v. Where that may be seen, the
-//! highlight still ends where the light does, by a comparison.
+//! the direction v to the eye, `n·h` is at most `sin(θ/2)` there, with θ between l and v. Where that may be seen, and in
+//! mirrors, which see from everywhere, the highlight still ends where the light does, by a comparison.
 
 use crate::eval::{Elaborator, Eval};
 use crate::surface::Column;
@@ -78,7 +78,8 @@ impl<'t> Elaborator<'t> {
             return Ok(settings);
         }
         let Some(parts) = self.convex_parts(scene)? else { return Ok(settings) };
-        if self.may_be_inside(scene, &camera)? {
+        // Rays that go through what they meet come to its inside.
+        if self.may_be_inside(scene, &camera)? || self.goes_on(scene, Column::Transmit)? {
             return Ok(settings);
         }
         let Some(Value::Number(eye)) = camera.get("eye") else { unreachable!("a camera has an eye") };
@@ -221,7 +222,13 @@ impl<'t> Elaborator<'t> {
         Ok(Value::record(fields.collect()))
     }
 
-    /// Whether a light's highlights are too dark to be seen where surfaces are turned away from it.
+    /// Whether rays go on from where they meet the scene, by this property of its materials.
+    fn goes_on(&mut self, scene: &Rc<Shape<'t>>, property: Column) -> Eval<bool> {
+        Ok(self.bounces && self.columns_of(scene)?.contains(&property))
+    }
+
+    /// Whether a light's highlights are too dark to be seen where surfaces are turned away from it: from the eye, and not in
+    /// mirrors.
     fn is_highlight_unseen(
         &mut self,
         light: &Fields<'t>,
@@ -229,6 +236,9 @@ impl<'t> Elaborator<'t> {
         parts: &[Part<'t>],
         eye: &Vector,
     ) -> Eval<bool> {
+        if self.own_shading().is_some() || self.goes_on(scene, Column::Reflect)? {
+            return Ok(false);
+        }
         let source = self.source(light);
         let cosine = parts.iter().map(|part| least_cosine(&source, part, eye)).fold(1.0, f64::min);
         let largest = ((1.0 - cosine) / 2.0).max(0.0).sqrt().min(1.0);

@@ -277,7 +277,7 @@ fn sampled_normals_are_those_of_the_surface() {
         let far = angles.iter().filter(|angle| **angle > most).count();
         // At the edges of the box they are those of both sides.
         assert!(
-            far * 50 < angles.len(),
+            far * 25 < angles.len(),
             "{normals}: {far} of {} are off by more than {most} degrees",
             angles.len()
         );

@@ -6,6 +6,7 @@ pub mod attack;
 pub mod canvas;
 pub mod chromium;
 pub mod drawing;
+pub mod effects;
 pub mod fields;
 pub mod glslang;
 pub mod hard;

@@ -196,7 +196,8 @@ impl<'t> Elaborator<'t> {
             (Source::Place(place), Part::Boxed(part), Part::HalfSpace(lit, _)) => {
                 let light = self.distances(lit, place)?.hi;
                 let part = self.distances(lit, &Bounds::between(part.lo, part.hi))?.lo;
-                !(part > light + GAP * light.abs())
+                let is_farther = part > light + GAP * light.abs();
+                !is_farther
             }
         })
     }

@@ -7,7 +7,7 @@ use crate::constant::Constant;
 use crate::hash::MixMap;
 use crate::interval::Axis;
 use crate::program::{
-    Binary, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
+    Binary, Evaluation, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
     Ternary, Type, Unary, Value,
 };
 use crate::rules;
@@ -43,6 +43,7 @@ impl Builder {
             lists: Vec::new(),
             lipschitz: None,
             rotations: Rotations::default(),
+            evaluation: Evaluation::default(),
         };
         Builder {
             function,
@@ -71,6 +72,11 @@ impl Builder {
     /// are points; see [`Function::lipschitz`].
     pub fn set_lipschitz(&mut self, lipschitz: Option<f64>) {
         self.function.lipschitz = lipschitz.map(f64::to_bits);
+    }
+
+    /// Says whether calls of the function count as evaluations of a field.
+    pub fn set_evaluation(&mut self, evaluation: bool) {
+        self.function.evaluation = Evaluation(evaluation);
     }
 
     /// Notes that `image` is `vector` turned about `axis` by `angle`: a fact beside the nodes, which keeps what the

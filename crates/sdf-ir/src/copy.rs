@@ -58,6 +58,7 @@ pub fn rebuild(function: &Function) -> Function {
     builder.set_line(function.line);
     builder.set_doc(function.doc.clone());
     builder.set_lipschitz(function.lipschitz());
+    builder.set_evaluation(function.is_evaluation());
     let arguments: Vec<Value> =
         (0..function.parameters.len()).map(|i| builder.argument(RegionId::ROOT, i as u16)).collect();
     let results = inline_whole(&mut builder, function, &arguments, &SameProgram);

@@ -3,6 +3,10 @@
 //! A scalar operation is one arithmetic result of a scalar: an addition of two vec3 counts three, a dot product of
 //! two vec3 five. What only moves values (components, composition, constants, arguments) is free. Both arms of an
 //! `If` count as the dearer one.
+//!
+//! An evaluation is a call of a function that [is marked](Function::is_evaluation) as one, from a function that is not
+//! itself being evaluated: a distance, a distance with its gradient and a distance with a step count alike, and what such a
+//! function calls in its turn does not count again.
 
 use crate::program::{
     Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
@@ -42,23 +46,31 @@ impl Operations {
 
 /// [`operations`] with each loop's body counted once.
 pub fn operations_without_loops(program: &Program, function: FunctionId) -> u64 {
-    total(program, function, &Count { of_node: operations_of_node, rounds: |count| u64::from(count.min(1)) })
+    total(program, function, &Count { rounds: |count| u64::from(count.min(1)), ..OPERATIONS })
 }
 
 /// Loop iterations of one evaluation at most, over all loops, those of callees included.
 pub fn iterations(program: &Program, function: FunctionId) -> u64 {
-    total(program, function, &Count { of_node: iterations_of_node, rounds: u64::from })
+    total(program, function, &Count { of_node: iterations_of_node, ..OPERATIONS })
+}
+
+/// Evaluations of fields in one call of a function at most, with every loop run to its last round.
+pub fn evaluations(program: &Program, function: FunctionId) -> u64 {
+    let of_callee = |callee: &Function, inside: u64| if callee.is_evaluation() { 1 } else { inside };
+    total(program, function, &Count { of_node: |_, _| 0, of_callee, rounds: u64::from })
 }
 
 /// What is counted.
 struct Count {
     /// A node by itself.
     of_node: fn(&Function, Value) -> u64,
+    /// A call of a function in which so much was counted.
+    of_callee: fn(&Function, u64) -> u64,
     /// How often a loop's body counts.
     rounds: fn(u32) -> u64,
 }
 
-const OPERATIONS: Count = Count { of_node: operations_of_node, rounds: u64_of };
+const OPERATIONS: Count = Count { of_node: operations_of_node, of_callee: |_, inside| inside, rounds: u64_of };
 
 fn u64_of(count: u32) -> u64 {
     u64::from(count)
@@ -67,10 +79,11 @@ fn u64_of(count: u32) -> u64 {
 /// Callees stand before their callers, so each function is counted once, in order.
 fn total(program: &Program, function: FunctionId, count: &Count) -> u64 {
     let mut totals: Vec<u64> = Vec::with_capacity(function.0 as usize + 1);
-    for function in &program.functions[..=function.0 as usize] {
-        totals.push(region(function, RegionId::ROOT, &totals, count));
+    for function in &program.functions[..function.0 as usize] {
+        let inside = region(function, RegionId::ROOT, &totals, count);
+        totals.push((count.of_callee)(function, inside));
     }
-    totals[function.0 as usize]
+    region(program.function(function), RegionId::ROOT, &totals, count)
 }
 
 fn region(function: &Function, id: RegionId, callees: &[u64], count: &Count) -> u64 {
@@ -136,7 +149,7 @@ pub(crate) fn operations_of_node(function: &Function, value: Value) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Operations, iterations, operations, operations_without_loops};
+    use super::{Operations, evaluations, iterations, operations, operations_without_loops};
     use crate::build::Builder;
     use crate::program::{Binary, Parameter, Program, RegionId, Type, Unary};
 
@@ -172,5 +185,17 @@ mod tests {
         assert_eq!(operations_without_loops(&program, caller), 6 + (1 + 3 + 6 + 1) + 1);
         assert_eq!(iterations(&program, caller), 10);
         assert_eq!(iterations(&program, callee), 0);
+        // Calls of the callee count only if it is an evaluation; what it calls in its turn never does.
+        assert_eq!(evaluations(&program, caller), 0);
+        program.functions[callee.0 as usize].mark_evaluation();
+        assert_eq!((evaluations(&program, caller), evaluations(&program, callee)), (1 + 10, 0));
+        let mut b = Builder::new("outer", vec![Parameter { name: "p".into(), ty: Type::Vec3, point: true }]);
+        let p = b.argument(RegionId::ROOT, 0);
+        let twice = [b.call(caller, &[Type::Float], &[p])[0], b.call(callee, &[Type::Float], &[p])[0]];
+        let sum = b.add(twice[0], twice[1]);
+        let outer = program.add(b.finish(vec![(sum, "".into())]));
+        assert_eq!(evaluations(&program, outer), 11 + 1);
+        program.functions[caller.0 as usize].mark_evaluation();
+        assert_eq!(evaluations(&program, outer), 1 + 1);
     }
 }

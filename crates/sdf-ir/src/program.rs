@@ -338,6 +338,24 @@ pub struct Function {
     /// The bits of the promised Lipschitz constant.
     pub(crate) lipschitz: Option<u64>,
     pub(crate) rotations: Rotations,
+    pub(crate) evaluation: Evaluation,
+}
+
+/// Whether a call of a function is an evaluation of a field, for those who count them. It says nothing of what is
+/// computed, so functions that differ in it alone are equal.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Evaluation(pub bool);
+
+impl PartialEq for Evaluation {
+    fn eq(&self, _: &Evaluation) -> bool {
+        true
+    }
+}
+
+impl Eq for Evaluation {}
+
+impl Hash for Evaluation {
+    fn hash<H: Hasher>(&self, _: &mut H) {}
 }
 
 /// That a value is another vector turned: what the dots that compute it no longer say.
@@ -376,6 +394,16 @@ impl Function {
     /// arguments are the same.
     pub fn lipschitz(&self) -> Option<f64> {
         self.lipschitz.map(f64::from_bits)
+    }
+
+    /// Whether a call of it counts as an evaluation of a field; see [`cost`](crate::cost).
+    pub fn is_evaluation(&self) -> bool {
+        self.evaluation.0
+    }
+
+    /// Lets calls of it count as evaluations of a field.
+    pub fn mark_evaluation(&mut self) {
+        self.evaluation.0 = true;
     }
 
     /// Which values are other values turned, in the order of the images.

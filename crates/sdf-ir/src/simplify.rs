@@ -183,7 +183,12 @@ impl Rebuild {
         };
         let key = without_names(&made);
         let id_now = match self.known.get(&key) {
-            Some(same) if !is_fixed => *same,
+            Some(same) if !is_fixed => {
+                if made.is_evaluation() {
+                    self.program.functions[same.0 as usize].mark_evaluation();
+                }
+                *same
+            }
             _ => {
                 let new = self.program.add(made);
                 self.known.entry(key).or_insert(new);
@@ -210,6 +215,7 @@ fn with_parameters(source: &Function, takes: &[bool], links: &dyn Links) -> Func
     builder.set_line(source.line);
     builder.set_doc(source.doc.clone());
     builder.set_lipschitz(source.lipschitz());
+    builder.set_evaluation(source.is_evaluation());
     let mut kept = 0..;
     let arguments: Vec<Value> = takes
         .iter()

@@ -138,6 +138,7 @@ impl Raise<'_> {
         b.set_line(function.line);
         b.set_doc(function.doc.clone());
         b.set_lipschitz(function.lipschitz());
+        b.set_evaluation(function.is_evaluation());
         let arguments: Vec<Value> =
             (0..function.parameters.len()).map(|i| b.argument(RegionId::ROOT, i as u16)).collect();
         let results = copy::inline(&mut b, function, &arguments, self);

@@ -396,6 +396,67 @@ fn calls_are_counted() {
     assert_eq!((calls("small"), calls("large")), (300, 400));
 }
 
+/// Steps 1 at a time to `x` at most, by an evaluation that calls another one each round, and asks one more at the end.
+/// `operations` is how large they are: some are written into their callers.
+fn stepping(operations: usize) -> Program {
+    let mut program = Program::default();
+    let busy = |b: &mut Builder, mut x: Value| {
+        for _ in 0..operations {
+            x = b.unary(Unary::Sin, x);
+        }
+        x
+    };
+    let inner = program.add(function("inner", &[Type::Float], |b, v| vec![busy(b, v[0])]));
+    let outer = program.add(function("outer", &[Type::Float], |b, v| {
+        let inside = b.call(inner, &[Type::Float], &[v[0]])[0];
+        vec![b.add(inside, v[0])]
+    }));
+    for id in [inner, outer] {
+        program.functions[id.0 as usize].mark_evaluation();
+    }
+    // It is none itself, and what is written into it is not inside of one.
+    let step = program.add(function("step", &[Type::Float], |b, v| {
+        let distance = b.call(outer, &[Type::Float], &[v[0]])[0];
+        let (zero, one) = (b.float(0.0), b.float(1.0));
+        let nothing = b.mul(distance, zero);
+        let next = b.add(v[0], one);
+        vec![b.add(next, nothing)]
+    }));
+    program.entry = Some(program.add(function("entry", &[Type::Float], |b, v| {
+        let until = b.open_region(&[Type::Float]);
+        let at = b.argument(until, 0);
+        let stop = b.binary(Binary::LessEqual, v[0], at);
+        b.close_region(vec![stop]);
+        let next = b.open_region(&[Type::Float, Type::Float]);
+        let at = b.argument(next, 1);
+        let moved = b.call(step, &[Type::Float], &[at]);
+        b.close_region(moved);
+        let zero = b.float(0.0);
+        let last = b.repeat(1000, &[zero], until, next)[0];
+        let more = b.call(inner, &[Type::Float], &[last])[0];
+        vec![b.add(last, more)]
+    })));
+    program
+}
+
+#[test]
+fn evaluations_are_counted_of_lanes_that_run() {
+    for operations in [1, 1000] {
+        let program = stepping(operations);
+        let tape = Tape::compile_counting(&program, program.entry.unwrap());
+        let x: Vec<f64> = (0..600).map(|i| f64::from(i % 7)).collect();
+        let mut machine = Machine::<f64>::new(&tape);
+        machine.run(&[&x], &mut [&mut vec![0.0; 600]]);
+        let rounds: u64 = x.iter().map(|x| *x as u64).sum();
+        let counts = machine.counts();
+        assert_eq!((counts.rounds, counts.evaluations), (rounds, rounds + 600));
+        let calls = |name: &str| counts.calls_of(program.function_named(name).unwrap());
+        assert_eq!((calls("inner"), calls("outer"), calls("step")), (rounds + 600, rounds, rounds));
+        // What it is at most is counted without running it.
+        assert_eq!(sdf_ir::cost::evaluations(&program, program.entry.unwrap()), 1000 + 1);
+    }
+}
+
 #[test]
 fn uniforms_reach_the_frame() {
     let program = calls_and_globals();

@@ -175,7 +175,11 @@ impl<'t> Elaborator<'t> {
                     self.check_size(&Value::Shape(shape.clone()), span)?;
                 }
                 let point = self.point_argument(&shape, given, span)?;
-                self.sample(&shape, &point, span).map(Value::Number)
+                let (distance, asked) = self.asking(|this| this.sample(&shape, &point, span))?;
+                if asked {
+                    self.count_evaluation(&distance, &point);
+                }
+                Ok(Value::Number(distance))
             }
             Value::Function(callable) => match &*callable {
                 Callable::Lambda { lambda, env } => self.call_lambda(lambda, env, given, span),

@@ -75,6 +75,8 @@ pub(crate) struct Elaborator<'t> {
     pub active: FxHashMap<*const (), u32>,
     /// How many calls that is together.
     pub calls: u32,
+    /// Whether a field, or what lies on a surface, is being evaluated.
+    pub is_asking: bool,
     /// Whether what is evaluated is inside a loop of `iterate`.
     pub in_loop: bool,
     /// Whether rays go on from what reflects or transmits.
@@ -133,6 +135,7 @@ impl<'t> Elaborator<'t> {
             calls: 0,
             work: 0,
             work_limit: 0,
+            is_asking: false,
             in_loop: false,
             bounces: false,
             light_names: Vec::new(),

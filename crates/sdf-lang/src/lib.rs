@@ -16,6 +16,7 @@ mod contract;
 mod distribute;
 mod errors;
 mod eval;
+mod evaluations;
 mod expansion;
 mod facts;
 mod framing;

@@ -237,11 +237,20 @@ impl<'t> Elaborator<'t> {
         if in_frame {
             self.contexts.set_frame_calls(true);
         }
-        let result = self.gradient_here(shape, point, span);
+        let result = self.asking(|this| this.gradient_here(shape, point, span));
         if in_frame {
             self.contexts.set_frame_calls(false);
         }
-        result
+        let (found, asked) = result?;
+        if asked
+            && !self.is_plane_beside(shape)?
+            && let Value::Record(record) = &found
+            && let Some(Value::Number(distance)) = record.get("distance")
+        {
+            let point = self.as_local(point);
+            self.count_evaluation(distance, &point);
+        }
+        Ok(found)
     }
 
     fn gradient_here(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
@@ -273,7 +282,7 @@ impl<'t> Elaborator<'t> {
     }
 
     /// Whether what is being evaluated is the renderer's, in a function of the program.
-    fn is_rendering(&self) -> bool {
+    pub fn is_rendering(&self) -> bool {
         self.contexts.depth() > 0 && self.origins.last().is_some_and(|o| o.module == Module::Runtime)
     }
 

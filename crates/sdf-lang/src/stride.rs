@@ -38,6 +38,14 @@ impl<'t> Elaborator<'t> {
     /// `approach(s, p)`: the distance that the field gives at `p`, and the distance from there within which the shape
     /// certainly has no surface; where the field is steep the latter is the smaller one.
     pub fn approach(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
+        let (seen, asked) = self.asking(|this| this.approach_here(shape, point, span))?;
+        if asked && let Value::Record(record) = &seen && let Some(Value::Number(distance)) = record.get("distance") {
+            self.count_evaluation(distance, point);
+        }
+        Ok(seen)
+    }
+
+    fn approach_here(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
         if !shape.steep || !point.is_local() || self.slope_of(shape)?.everywhere <= 1.0 {
             let distance = self.sample(shape, point, span)?;
             return Ok(approached(distance.clone(), distance));

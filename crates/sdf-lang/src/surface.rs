@@ -164,10 +164,17 @@ impl<'t> Elaborator<'t> {
         self.contexts.describe(Some(Arc::from(doc)));
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
         let n = self.contexts.parameter(&Arc::from("n"), normal, false);
-        let found =
-            self.surface_record(asked, shape, &p, &n, span).and_then(|record| self.flatten(&record, span));
+        let found = self.asking(|this| {
+            let record = this.surface_record(asked, shape, &p, &n, span)?;
+            this.flatten(&record, span)
+        });
         match found {
-            Ok((record, numbers)) => Ok(self.close_with(&name, &record, numbers)),
+            Ok(((record, numbers), is_asked)) => {
+                if is_asked && self.calls_a_field() {
+                    self.contexts.builder().set_evaluation(true);
+                }
+                Ok(self.close_with(&name, &record, numbers))
+            }
             Err(reported) => {
                 self.contexts.discard();
                 Err(reported)

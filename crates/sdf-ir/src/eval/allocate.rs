@@ -100,7 +100,7 @@ impl Walk {
                     body.code[i].writes().iter().for_each(|r| self.touch(*r));
                 }
             }
-            Step::Count(_) => {}
+            Step::Count { .. } => {}
             Step::Call(call) => {
                 call.arguments.iter().for_each(|a| self.read(*a));
                 call.results.iter().for_each(|r| self.touch(*r));
@@ -188,7 +188,7 @@ fn rename(body: &mut Body, packed: &[Register]) {
     body.outputs.iter_mut().for_each(operand);
     for step in body.blocks.iter_mut().flat_map(|b| &mut b.steps) {
         match step {
-            Step::Run { .. } | Step::Count(_) => {}
+            Step::Run { .. } | Step::Count { .. } => {}
             Step::Call(call) => {
                 call.arguments.iter_mut().for_each(operand);
                 call.results.iter_mut().for_each(new);
@@ -213,7 +213,7 @@ fn rename(body: &mut Body, packed: &[Register]) {
 fn depth(body: &Body, block: BlockId, callees: &[Body]) -> usize {
     let nested = |block: BlockId| body.registers + depth(body, block, callees);
     let step = |step: &Step| match step {
-        Step::Run { .. } | Step::Count(_) => 0,
+        Step::Run { .. } | Step::Count { .. } => 0,
         Step::If(branch) => nested(branch.then).max(nested(branch.otherwise)),
         Step::Loop(repeat) => nested(repeat.until).max(nested(repeat.next)),
         Step::Call(call) => callees[call.body].depth,

@@ -18,6 +18,9 @@ pub struct Counts {
     pub calls: Vec<u64>,
     /// How many rounds of loops points ran.
     pub rounds: u64,
+    /// How often points evaluated fields, as [`cost`](crate::cost) counts them; only where the tape was made by
+    /// [`Tape::compile_counting`].
+    pub evaluations: u64,
 }
 
 impl Counts {
@@ -33,6 +36,7 @@ impl Counts {
             *sum += calls;
         }
         self.rounds += other.rounds;
+        self.evaluations += other.evaluations;
     }
 }
 
@@ -43,6 +47,8 @@ pub struct Machine<'t, N> {
     scalars: Vec<N>,
     registers: Vec<Lanes<N>>,
     counts: Counts,
+    /// How many of the bodies that are running are evaluations.
+    evaluating: u32,
     avx2: bool,
 }
 
@@ -79,7 +85,8 @@ impl<'t, N: Number> Machine<'t, N> {
             tape,
             scalars,
             registers: vec![[zero; LANES]; depth],
-            counts: Counts { calls: vec![0; tape.functions], rounds: 0 },
+            counts: Counts { calls: vec![0; tape.functions], ..Counts::default() },
+            evaluating: 0,
             avx2: kernel::has_avx2(),
         };
         let defaults: Vec<Constant> = tape.uniforms.iter().map(|u| u.default).collect();
@@ -168,19 +175,30 @@ impl<'t, N: Number> Machine<'t, N> {
                 Step::If(branch) => self.branch(body, branch, base, count),
                 Step::Loop(repeat) => self.repeat(body, repeat, base, count),
                 Step::Call(call) => self.call(body, call, base, count),
-                Step::Count(function) => self.counts.calls[function.0 as usize] += count as u64,
+                Step::Count { function, is_evaluation } => self.count(*function, *is_evaluation, count),
             }
+        }
+    }
+
+    fn count(&mut self, function: FunctionId, is_evaluation: bool, count: usize) {
+        self.counts.calls[function.0 as usize] += count as u64;
+        if is_evaluation && self.evaluating == 0 {
+            self.counts.evaluations += count as u64;
         }
     }
 
     fn call(&mut self, body: &Body, call: &Call, base: usize, count: usize) {
         let callee = &self.tape.bodies[call.body];
-        self.counts.calls[callee.function.0 as usize] += count as u64;
+        if self.tape.counting {
+            self.count(callee.function, callee.is_evaluation, count);
+        }
         let above = base + body.registers;
         for (i, argument) in call.arguments.iter().enumerate() {
             self.copy(base, *argument, above + i, count);
         }
+        self.evaluating += u32::from(callee.is_evaluation);
         self.block(callee, callee.root, above, count);
+        self.evaluating -= u32::from(callee.is_evaluation);
         for (result, output) in call.results.iter().zip(&callee.outputs) {
             self.copy(above, *output, base + *result as usize, count);
         }
@@ -233,7 +251,8 @@ impl<'t, N: Number> Machine<'t, N> {
 
     /// Lanes stay in place as long as all go on; the first that stop keep their state there, and the others move
     /// to a frame above, from which the state of each is written back when it stops. Lanes that have stopped up
-    /// there run on without effect until there are enough of them to be worth moving the others together.
+    /// there run on without effect until there are enough of them to be worth moving the others together; where what
+    /// runs is counted, the others are moved at once.
     fn repeat(&mut self, body: &'t Body, repeat: &'t Loop, base: usize, count: usize) {
         let above = base + body.registers;
         let mut origin = Indices::which(count, |_| true);
@@ -263,7 +282,7 @@ impl<'t, N: Number> Machine<'t, N> {
                     return;
                 }
                 stopped.iter_mut().zip(stop_now).for_each(|(stopped, now)| *stopped |= now);
-                if at == base || running * 4 <= origin.count * 3 {
+                if at == base || self.tape.counting || running * 4 <= origin.count * 3 {
                     let kept = Indices::which(origin.count, |lane| !stopped[lane]);
                     for register in repeat.captures.iter().chain(&repeat.state) {
                         self.gather(at, above, *register, &kept);

@@ -25,6 +25,7 @@ pub(crate) fn compile(program: &Program, function: FunctionId, counting: bool) -
         constants_start,
         constants: Vec::new(),
         functions: program.functions.len(),
+        counting,
     };
     let mut compiler = Compiler {
         program,
@@ -77,6 +78,7 @@ impl Compiler<'_> {
         let inputs = scalar_count(function.parameters.iter().map(|p| p.ty));
         let body = Body {
             function: id,
+            is_evaluation: function.is_evaluation(),
             code: Vec::new(),
             blocks: vec![Block::default()],
             root: 0,
@@ -86,7 +88,7 @@ impl Compiler<'_> {
             depth: 0,
         };
         let mut lowering =
-            Lowering { next_register: inputs as u32, current: 0, straight: 0, body, compiler: self };
+            Lowering { next_register: inputs as u32, current: 0, straight: 0, evaluates: false, body, compiler: self };
         let registers: Vec<Operand> = (0..inputs as u32).map(Operand::Register).collect();
         let outputs = lowering.function(id, &registers);
         lowering.flush();
@@ -126,6 +128,8 @@ struct Lowering<'c, 'p> {
     current: BlockId,
     /// Where its straight code that is not yet a step begins.
     straight: usize,
+    /// Whether what is written in is inside of an evaluation that was written in too.
+    evaluates: bool,
 }
 
 impl<'p> Lowering<'_, 'p> {
@@ -327,10 +331,15 @@ impl<'p> Lowering<'_, 'p> {
 
     fn call(&mut self, callee: FunctionId, arguments: &[Operand]) -> Vec<Operand> {
         if self.compiler.sizes[callee.0 as usize] <= INLINE_LIMIT {
+            let outer = self.evaluates;
+            self.evaluates |= self.compiler.program.function(callee).is_evaluation();
             if self.compiler.counting {
-                self.step(Step::Count(callee));
+                // What is small enough to be written in calls nothing that is not, so this is all that counts in it.
+                self.step(Step::Count { function: callee, is_evaluation: self.evaluates && !outer });
             }
-            return self.function(callee, arguments);
+            let results = self.function(callee, arguments);
+            self.evaluates = outer;
+            return results;
         }
         let body = self.compiler.body(callee);
         let count = self.compiler.tape.bodies[body].outputs.len();

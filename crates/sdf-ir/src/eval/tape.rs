@@ -65,7 +65,11 @@ pub(crate) enum Step {
     /// Another body.
     Call(Call),
     /// Counts the lanes of a function that was written into this one.
-    Count(FunctionId),
+    Count {
+        function: FunctionId,
+        /// Whether it is an evaluation, and not inside of one that was written into this one too.
+        is_evaluation: bool,
+    },
 }
 
 /// A branch. Each block ends by writing `results`.
@@ -114,6 +118,7 @@ pub(crate) struct Block {
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     pub function: FunctionId,
+    pub is_evaluation: bool,
     pub code: Vec<Instruction>,
     pub blocks: Vec<Block>,
     pub root: BlockId,
@@ -143,6 +148,8 @@ pub struct Tape {
     pub(crate) constants: Vec<f64>,
     /// How many functions the program has.
     pub(crate) functions: usize,
+    /// Whether it counts what runs, so that lanes that have nothing to do must not run on.
+    pub(crate) counting: bool,
 }
 
 impl Tape {

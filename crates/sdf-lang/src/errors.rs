@@ -412,7 +412,7 @@ pub(crate) fn broken_promise(span: Span, broken: &Broken) -> Diagnostic {
 }
 
 /// A number with as many digits as a reader wants.
-fn short(x: f64) -> String {
+pub(crate) fn short(x: f64) -> String {
     let rounded = format!("{x:.4}");
     let rounded = rounded.trim_end_matches('0').trim_end_matches('.');
     if rounded == "0" && x != 0.0 || rounded == "-0" { format!("{x:.1e}") } else { rounded.to_string() }

@@ -69,6 +69,14 @@ pub(crate) struct Elaborator<'t> {
     pub columns: BTreeSet<crate::surface::Column>,
     /// Whether they are being looked for.
     pub finding_columns: bool,
+    /// What calls for properties of the materials that are being looked at.
+    pub column_causes: Vec<(crate::surface::Column, crate::causes::Cause)>,
+    /// The same of each painted part of the scene, with its name.
+    pub parts_called: Vec<(String, Vec<(crate::surface::Column, crate::causes::Cause)>)>,
+    /// The properties of materials that count as not being there, because their effects are left out.
+    pub unseen_columns: BTreeSet<crate::surface::Column>,
+    /// Where the user's files first read inputs such as `time`.
+    pub inputs_read: HashMap<String, Span>,
     /// The shapes of the scene block, for the camera that frames them.
     pub scene_parts: Vec<Rc<Shape<'t>>>,
     /// How often each function is being evaluated, by its place in memory.
@@ -130,6 +138,10 @@ impl<'t> Elaborator<'t> {
             overrides: HashMap::new(),
             columns: BTreeSet::new(),
             finding_columns: false,
+            column_causes: Vec::new(),
+            parts_called: Vec::new(),
+            unseen_columns: BTreeSet::new(),
+            inputs_read: HashMap::new(),
             scene_parts: Vec::new(),
             active: FxHashMap::default(),
             calls: 0,

@@ -23,6 +23,7 @@ impl<'t> Elaborator<'t> {
             Meaning::Nothing => {}
         }
         if let Some(value) = self.constant(name) {
+            self.note_input(name, module, span);
             return Ok(value);
         }
         let diagnostic = self.names.unknown(name, span, module, &[]);

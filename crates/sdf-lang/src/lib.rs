@@ -9,11 +9,13 @@
 mod beside;
 mod builtin;
 mod call;
+mod causes;
 mod check;
 mod choice;
 mod context;
 mod contract;
 mod distribute;
+mod effects;
 mod errors;
 mod eval;
 mod evaluations;
@@ -51,6 +53,7 @@ mod view;
 mod vocabulary;
 mod walk;
 
+pub use effects::Effect;
 pub use facts::{Basis, Class, Copies, Fact};
 pub use glossary::{Group, glossary};
 pub use import::{Imports, Loader, Location, Refusal, Texts};
@@ -97,6 +100,9 @@ pub struct Options {
     pub certificate: bool,
     /// What the scene is drawn as, where that is no text for others.
     pub view: Option<View>,
+    /// The places in [`Scene::effects`] of those that are left out of the program. It is for measuring alone what they
+    /// take: the picture is then not the scene's, and without step correction rays may pass through what is there.
+    pub left_out: Vec<usize>,
     /// How the files that the scene imports are found and read.
     pub imports: Imports,
     /// Files of the compiler for which others stand in, by their names as in `march.sdf`, with their texts: so a test
@@ -150,6 +156,9 @@ pub struct Scene {
     /// The functions of a point for programs that ask, if they were asked for. The entry does not call them, so no
     /// text has them.
     pub query: Option<Query>,
+    /// All effects, in an order that does not change: whether each is called for, and why; those that are
+    /// [left out](Options::left_out) too.
+    pub effects: Vec<Effect>,
     /// What was compiled in, for the header of the emitted text.
     pub summary: Summary,
 }
@@ -186,7 +195,7 @@ pub struct Summary {
     pub shapes: usize,
     /// The settings that decide about accuracy, as `name value`.
     pub settings: Vec<String>,
-    /// The effects that the scene calls for.
+    /// The effects that were compiled in, as the header lists them.
     pub effects: Vec<&'static str>,
 }
 

@@ -1,5 +1,6 @@
 //! A file as a scene: its shapes, its settings, and the renderer round them.
 
+use crate::effects::{self, Called, Effect};
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
 use crate::expansion::{OPERATION_LIMIT, Size};
@@ -50,8 +51,9 @@ pub(crate) fn elaborate(
             let probe = made.probe.map(|_| next());
             let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
             let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
-            let (facts, summary) = (made.facts, made.summary);
-            Scene { origin: made.origin, map, probe, query, certificate, program, facts, summary }
+            let (facts, summary, mut effects) = (made.facts, made.summary, made.effects);
+            effects::settle_inputs(&mut effects, &program);
+            Scene { origin: made.origin, map, probe, query, certificate, program, facts, effects, summary }
         });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -92,10 +94,23 @@ struct Made {
     pixel: FunctionId,
     probe: Option<FunctionId>,
     facts: Vec<Fact>,
+    effects: Vec<Effect>,
     query: Option<Query>,
     certificate: Option<Certificate>,
     summary: Summary,
     is_tiny: bool,
+}
+
+/// A scene for the renderer.
+struct Rendered<'t> {
+    /// The record that it takes.
+    scene: Value<'t>,
+    /// The scene as a shape.
+    map: Value<'t>,
+    /// Whether all that is marched to is tiny.
+    is_tiny: bool,
+    /// All effects, those that are left out too.
+    effects: Vec<Effect>,
 }
 
 impl<'t> Elaborator<'t> {
@@ -125,8 +140,9 @@ impl<'t> Elaborator<'t> {
         let origin = self.find_origin(&settings);
         let query = match origin {
             Some(_) if options.query => {
-                let (scene, ..) = self.renderer(&shapes, settings.clone(), None, place)?;
-                Some(self.query(&scene)?)
+                let unseen = Options { view: None, ..options.clone() };
+                let rendered = self.renderer(&shapes, settings.clone(), &unseen, place)?;
+                Some(self.query(&rendered.scene)?)
             }
             _ => None,
         };
@@ -135,9 +151,8 @@ impl<'t> Elaborator<'t> {
             Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
-        let (scene, map, is_tiny) = self.renderer(&shapes, settings, options.view, place)?;
-        let lit = options.view.is_none_or(View::is_lit);
-        let summary = self.summary(&scene, count, lit);
+        let Rendered { scene, map, is_tiny, effects } = self.renderer(&shapes, settings, options, place)?;
+        let summary = self.summary(&scene, count, effects::listed(&effects, &options.left_out));
         let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
         let query = match query {
@@ -153,18 +168,19 @@ impl<'t> Elaborator<'t> {
             _ => None,
         };
         let origin = self.origin.unwrap_or_default().to_array();
-        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, summary, is_tiny })
+        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, effects, summary, is_tiny })
     }
 
-    /// The record that the renderer takes, the scene as a shape, and whether all that is marched to is tiny.
+    /// The record that the renderer takes.
     fn renderer(
         &mut self,
         shapes: &[Rc<Shape<'t>>],
         settings: Vec<(Arc<str>, Value<'t>)>,
-        view: Option<View>,
+        options: &Options,
         place: Span,
-    ) -> Eval<(Value<'t>, Value<'t>, bool)> {
-        let solids = self.solids(shapes, place)?;
+    ) -> Eval<Rendered<'t>> {
+        self.unseen_columns.clear();
+        let mut solids = self.solids(shapes, place)?;
         let (map, is_tiny) = (solids.map.clone(), solids.are_tiny());
         let (glows, columns) = self.glows(shapes)?;
         let render = settings.iter().find(|(name, _)| &**name == "render");
@@ -189,13 +205,17 @@ impl<'t> Elaborator<'t> {
             fields.push((Arc::from(name), Value::bool(holds)));
         }
         fields.push((Arc::from("resolution"), Value::Number(resolution)));
+        let mut called = Called { fields: &mut fields, solids: &mut solids };
+        let effects = self.effects(&called, options.view.is_none_or(View::is_lit))?;
+        self.leave_out(&effects, &options.left_out, &mut called);
+        let transmits = called.flag("transmits");
         fields.extend(self.clear_fields(shapes, &solids, transmits, place)?);
         let solids = self.solid_fields(&solids, &fields)?;
         fields.extend(solids);
-        if view == Some(View::Depth) {
+        if options.view == Some(View::Depth) {
             fields.push((Arc::from("ball"), self.ball_record()));
         }
-        Ok((Value::record(fields), map, is_tiny))
+        Ok(Rendered { scene: Value::record(fields), map, is_tiny, effects })
     }
 
     /// Whether the sky's colours are more than a gradient.
@@ -317,9 +337,13 @@ impl<'t> Elaborator<'t> {
     /// The shapes that glow, and what the materials of all shapes call for.
     fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<(Value<'t>, BTreeSet<Column>)> {
         let (mut out, mut all) = (Vec::new(), BTreeSet::new());
+        self.parts_called.clear();
         for shape in shapes.iter().flat_map(parts_of_union) {
             let columns = self.columns_of(&shape)?;
             all.extend(&columns);
+            if shape.painted {
+                self.note_part(&shape);
+            }
             if columns.contains(&Column::Glow) {
                 out.push(Value::record(vec![(Arc::from("shape"), Value::Shape(shape))]));
             }
@@ -361,8 +385,8 @@ impl<'t> Elaborator<'t> {
         }
     }
 
-    /// What is compiled in; `lit` says whether light is.
-    fn summary(&self, scene: &Value<'t>, shapes: usize, lit: bool) -> Summary {
+    /// What is compiled in, with these effects.
+    fn summary(&self, scene: &Value<'t>, shapes: usize, effects: Vec<&'static str>) -> Summary {
         let Value::Record(scene) = scene else { unreachable!("a scene is a record") };
         let setting = |name| match scene.get("render") {
             Some(Value::Record(r)) => match r.get(name) {
@@ -371,69 +395,22 @@ impl<'t> Elaborator<'t> {
             },
             _ => None,
         };
-        let is_true = |name| scene.get(name).is_some_and(Value::is_true);
-        let mut summary = Summary { shapes, ..Summary::default() };
+        let mut settings = Vec::new();
         for name in ["tolerance", "steps", "far"] {
             if let Some(Constant::Float(x)) = setting(name) {
-                summary.settings.push(format!("{name} {x}"));
+                settings.push(format!("{name} {x}"));
             }
         }
-        if is_true("empty") {
-            // Its sky is all that is drawn.
-            return summary;
-        }
-        if is_true("relaxed") {
-            summary.effects.push("relaxation");
-        }
-        if is_true("steep") {
-            summary.effects.push("step correction");
-        }
-        if !lit {
-            return summary;
-        }
-        for (soft, name) in [(true, "soft shadow"), (false, "hard shadow")] {
-            if matches!(scene.get("lights"), Some(Value::List(l)) if l.items.iter().any(|l| casts_shadow(l, soft)))
-            {
-                summary.effects.push(name);
-            }
-        }
-        let is_called = |block, flag| matches!(scene.get(block), Some(Value::Record(r)) if r.get(flag).is_some_and(Value::is_true));
-        if is_called("ambient", "occluded") {
-            summary.effects.push("occlusion");
-        }
-        if matches!(scene.get("glows"), Some(Value::List(l)) if !l.items.is_empty()) {
-            summary.effects.push("glow");
-        }
-        for (is_called, name) in [
-            (is_true("reflects") || is_true("mirrors_by_call"), "reflection"),
-            (is_true("transmits"), "transmission"),
-            (is_called("rim", "called"), "rim light"),
-            (is_called("fog", "called"), "fog"),
-            (is_called("render", "aces"), "tone mapping"),
-            (scene.get("render").is_some_and(is_antialiased), "antialiasing"),
-        ] {
-            if is_called {
-                summary.effects.push(name);
-            }
-        }
-        summary
+        // Of a scene that is empty the sky is all that is drawn.
+        let is_empty = scene.get("empty").is_some_and(Value::is_true);
+        Summary { shapes, settings, effects: if is_empty { Vec::new() } else { effects } }
     }
 }
 
 /// Whether pixels may take several rays.
-fn is_antialiased(render: &Value<'_>) -> bool {
+pub(crate) fn is_antialiased(render: &Value<'_>) -> bool {
     let Value::Record(render) = render else { return false };
     matches!(render.get("antialias"), Some(Value::Number(n)) if n.known() != Some(Constant::Float(1.0)))
-}
-
-/// Whether a light casts shadows of this kind.
-fn casts_shadow(light: &Value<'_>, soft: bool) -> bool {
-    let Value::Record(light) = light else { return false };
-    let is = |name: &str, wanted: bool| match light.get(name) {
-        Some(Value::Number(n)) => n.known() == Some(Constant::Bool(wanted)),
-        _ => false,
-    };
-    is("casts", true) && is("soft", soft)
 }
 
 /// The shapes that a union is made of, also where the union has a name; a shape that is none is its only part.

@@ -380,7 +380,7 @@ impl<'t> Elaborator<'t> {
             at = self.unary(Unary::Normalize, &at, name.span)?.named(&Arc::from("direction"));
         }
         let power = self.binary(Binary::Multiply, &color, &intensity, name.span)?;
-        if power.known() == Some(Constant::Vec3([0.0; 3])) {
+        if !self.may_be_nonzero(&power) {
             return Ok(None);
         }
         let light_name = Arc::from(format!("{}_color", name.text));
@@ -431,8 +431,8 @@ impl<'t> Elaborator<'t> {
             // Who asks for it wants all of it.
             occlusion = Number::float(1.0);
         }
-        let is_asked = calls.map_or(color.known() != Some(Constant::Vec3([0.0; 3])), |calls| calls.occlusion);
-        let called = is_asked && occlusion.known() != Some(Constant::Float(0.0));
+        let is_asked = calls.map_or_else(|| self.may_be_nonzero(&color), |calls| calls.occlusion);
+        let called = is_asked && self.may_be_nonzero(&occlusion);
         Ok(Value::record(vec![
             (Arc::from("color"), Value::Number(renamed(color, "ambient_color"))),
             (Arc::from("occluded"), Value::bool(called)),
@@ -490,7 +490,7 @@ impl<'t> Elaborator<'t> {
         let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
         let density = self.ranged_setting(&block, "density", Constant::Float(0.0), NOT_NEGATIVE);
         let (color, density) = (color?, density?);
-        let called = density.known() != Some(Constant::Float(0.0));
+        let called = self.may_be_nonzero(&density);
         let colored = called && block.fields.contains_key("color");
         Ok(Value::record(vec![
             (Arc::from("called"), Value::bool(called)),
@@ -505,7 +505,7 @@ impl<'t> Elaborator<'t> {
         let color = self.number_setting(&block, "color", Constant::Vec3([0.0; 3]));
         let power = self.ranged_setting(&block, "power", Constant::Float(3.0), POSITIVE);
         let (color, power) = (color?, power?);
-        let called = color.known() != Some(Constant::Vec3([0.0; 3]));
+        let called = self.may_be_nonzero(&color);
         Ok(Value::record(vec![
             (Arc::from("called"), Value::bool(called)),
             (Arc::from("color"), Value::Number(renamed(color, "rim_color"))),

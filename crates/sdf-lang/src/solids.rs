@@ -24,13 +24,29 @@ pub(crate) struct Solids<'t> {
     rest: Option<Rc<Shape<'t>>>,
     /// The union of all, in the order of the source.
     pub map: Value<'t>,
+    /// Whether steps are as long as the fields read, however steep these are.
+    takes_whole_steps: bool,
 }
 
 /// From what size on scenes are measured as they are: of smaller ones hardware may take the squares of what a pixel shows,
 /// some 1e-5 of them, for zero.
 const TINY: f64 = 1e-13;
 
-impl Solids<'_> {
+impl<'t> Solids<'t> {
+    /// What is marched to, if there is anything.
+    pub fn rest(&self) -> Option<&Rc<Shape<'t>>> {
+        self.rest.as_ref()
+    }
+
+    /// Forgets how steep the fields are, so that a step is as long as a field reads.
+    pub fn take_whole_steps(&mut self) {
+        self.takes_whole_steps = true;
+        self.rest = self.rest.as_ref().map(as_if_not_steep);
+        if let Value::Shape(map) = &self.map {
+            self.map = Value::Shape(as_if_not_steep(map));
+        }
+    }
+
     /// Whether what is marched to is so small, and so near to the origin, that hardware takes squares for zero.
     pub fn are_tiny(&self) -> bool {
         let corners = [self.extent.lo, self.extent.hi];
@@ -75,11 +91,11 @@ impl<'t> Elaborator<'t> {
         if half_spaces.is_empty() {
             let map = named(rest, "map", MAP);
             let Value::Shape(shape) = &map else { unreachable!("a shape was named") };
-            return Ok(Solids { half_spaces, grounds, extent, rest: Some(shape.clone()), map });
+            return Ok(Solids { half_spaces, grounds, extent, rest: Some(shape.clone()), map, takes_whole_steps: false });
         }
         if rest.is_empty() {
             let map = named(half_spaces.clone(), "map", MAP);
-            return Ok(Solids { half_spaces, grounds, extent, rest: None, map });
+            return Ok(Solids { half_spaces, grounds, extent, rest: None, map, takes_whole_steps: false });
         }
         let solids = named(rest, "solids", "The distance from a point to what is not a half space.");
         let Value::Shape(solids) = solids else { unreachable!("a shape was named") };
@@ -91,7 +107,8 @@ impl<'t> Elaborator<'t> {
         if entries[first..=last].iter().all(|e| !e.1) {
             parts.splice(first..=last, [solids.clone()]);
         }
-        Ok(Solids { half_spaces, grounds, extent, rest: Some(solids), map: named(parts, "map", MAP) })
+        let map = named(parts, "map", MAP);
+        Ok(Solids { half_spaces, grounds, extent, rest: Some(solids), map, takes_whole_steps: false })
     }
 
     /// What the renderer is told of how rays meet the scene: `planes`, the half spaces; `grounds`, those that solids are
@@ -128,7 +145,7 @@ impl<'t> Elaborator<'t> {
             (Arc::from("bounded"), Value::bool(corners.is_some())),
             (Arc::from("lo"), Value::Number(lo)),
             (Arc::from("hi"), Value::Number(hi)),
-            (Arc::from("steep"), Value::bool(solids.rest.is_some() && slope.everywhere > 1.0)),
+            (Arc::from("steep"), Value::bool(solids.rest.is_some() && !solids.takes_whole_steps && slope.everywhere > 1.0)),
             (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),
             (Arc::from("exact"), Value::bool(is_exact)),
@@ -214,6 +231,17 @@ impl<'t> Elaborator<'t> {
             _ => Ok(true),
         }
     }
+}
+
+/// One of the functions of a scene, of which nobody asks how steep it is.
+fn as_if_not_steep<'t>(shape: &Rc<Shape<'t>>) -> Rc<Shape<'t>> {
+    let ShapeKind::Named { name, span, thunk: Thunk::Fixed(what), inner } = &shape.kind else {
+        unreachable!("the functions of a scene have names")
+    };
+    let kind =
+        ShapeKind::Named { name: name.clone(), span: *span, thunk: Thunk::Fixed(what), inner: inner.clone() };
+    let Shape { dimension, painted, place, .. } = **shape;
+    Rc::new(Shape { dimension, kind, painted, steep: false, place })
 }
 
 /// The corners of the box that shapes lie in, far away where it has no end; nothing if it has none at all.

@@ -234,6 +234,7 @@ impl<'t> Elaborator<'t> {
         span: Span,
     ) -> Eval<()> {
         self.columns.clear();
+        self.column_causes.clear();
         self.finding_columns = true;
         self.contexts.open(&Arc::from("columns"), None);
         let p = self.contexts.parameter(&Arc::from("p"), point, true);
@@ -521,13 +522,19 @@ impl<'t> Elaborator<'t> {
     ) -> Eval<Vec<Number>> {
         let mut values: Vec<(Column, Number)> = Vec::new();
         match &**material {
-            Material::Color(color) => values.push((Column::Color, color.clone())),
+            Material::Color(color) => {
+                self.note_property(Column::Color, color, None);
+                values.push((Column::Color, color.clone()));
+            }
             Material::Record { record, env } => {
                 let env = self.material_env(record, env, shape, point, normal, span)?;
                 let mut failed = None;
                 for field in &record.fields {
                     match self.property(field, &env) {
-                        Ok(value) => values.push(value),
+                        Ok((column, value)) => {
+                            self.note_property(column, &value, Some(field.value.span));
+                            values.push((column, value));
+                        }
                         Err(reported) => failed = Some(reported),
                     }
                 }
@@ -537,12 +544,9 @@ impl<'t> Elaborator<'t> {
             }
         }
         if values.iter().any(|(_, value)| value.is_local()) {
-            values.push((Column::Pattern, Number::float(1.0)));
-        }
-        for (column, value) in &values {
-            if self.finding_columns && value.known() != Some(column.default()) {
-                self.columns.insert(*column);
-            }
+            let pattern = Number::float(1.0);
+            self.note_property(Column::Pattern, &pattern, None);
+            values.push((Column::Pattern, pattern));
         }
         let columns: Vec<Column> = self.columns.iter().copied().collect();
         Ok(columns
@@ -552,6 +556,19 @@ impl<'t> Elaborator<'t> {
                 own.unwrap_or(Number::constant(c.default()))
             })
             .collect())
+    }
+
+    /// Notes a property of a material that may differ from its default, while these are being looked for.
+    fn note_property(&mut self, column: Column, value: &Number, span: Option<Span>) {
+        let is_zero = |c: Constant| c.components().iter().all(|x| *x == 0.0);
+        let differs = match is_zero(column.default()) {
+            true => self.finding_columns && self.may_be_nonzero(value),
+            false => value.known() != Some(column.default()),
+        };
+        if self.finding_columns && differs && !self.unseen_columns.contains(&column) {
+            self.columns.insert(column);
+            self.note_column(column, value, span);
+        }
     }
 
     /// Finds what is wrong in a material, painted or not.

@@ -15,10 +15,15 @@ pub struct Growing {
 }
 
 impl Growing {
-    /// For a function whose uniforms, arguments and globals are these; those that are missing may be anything.
+    /// For a function of which nothing is known but what it computes.
     pub fn new() -> Growing {
+        Growing::of(Vec::new(), Vec::new())
+    }
+
+    /// For a function whose uniforms and globals are these; those that are missing may be anything.
+    pub fn of(uniforms: Vec<Bounds>, globals: Vec<Bounds>) -> Growing {
         Growing {
-            walk: Walk::new(Vec::new(), Vec::new()),
+            walk: Walk::new(uniforms, globals),
             frame: Frame { plan: Rc::new(Plan::growing()), values: Vec::new() },
         }
     }

@@ -234,7 +234,7 @@ impl<'t> Elaborator<'t> {
 }
 
 /// What a shape is called in the table.
-fn name(shape: &Shape<'_>) -> String {
+pub(crate) fn name(shape: &Shape<'_>) -> String {
     match &shape.kind {
         ShapeKind::Named { name, .. } => name.to_string(),
         ShapeKind::Painted { shape, .. } => name(shape),

@@ -21,7 +21,7 @@ use convex::Convexity;
 use derive::Formula;
 pub(crate) use derive::Gain;
 pub(crate) use influence::Steep;
-pub(crate) use listing::parts;
+pub(crate) use listing::{name as name_of, parts};
 pub use listing::{Basis, Class, Copies, Fact};
 pub(crate) use promise::corner_number;
 use sdf_ir::interval::Growing;

@@ -1,0 +1,534 @@
+//! The effects of the renderer: which of them a scene calls for, what does, and how each is left out to be measured.
+//!
+//! [`EFFECTS`] is the list of all: a row has the name of an effect, how it is found in the record that the renderer takes,
+//! and which flag of that record leaves it out.
+
+use crate::causes::Cause;
+use crate::eval::{Elaborator, Eval};
+use crate::facts::name_of;
+use crate::solids::Solids;
+use crate::surface::Column;
+use crate::value::{Fields, Module, Number, Shape, Value};
+use sdf_ir::{Program, Role};
+use sdf_syntax::Span;
+use sdf_syntax::tree::{ExprKind, Record, SettingsKind};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// An effect of the renderer, or an input that pictures may depend on: whether it is in a scene's program, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    /// What it is called.
+    pub name: &'static str,
+    /// Whose it is, where there may be several: the name of a light or of a shape.
+    pub subject: Option<String>,
+    /// Whether it is in.
+    pub is_in: bool,
+    /// What calls for it, or why nothing does: a clause.
+    pub reason: String,
+    /// Where that is written, if it is.
+    pub span: Option<Span>,
+    /// The uniforms that the value depends on which calls for it.
+    pub depends_on: Vec<String>,
+    /// Where the components of that value lie, if it has bounds: from the least to the largest.
+    pub range: Option<[f64; 2]>,
+    /// The name of a param and a value within its range: `--set` takes the effect out with it.
+    pub removed_by: Option<(String, String)>,
+    /// Whether it can be [left out](crate::Options::left_out) to be measured.
+    pub can_be_left_out: bool,
+    /// Which of its kind it is, in the record of the renderer.
+    index: usize,
+}
+
+/// The record that the renderer takes, as far as it is made.
+pub(crate) struct Called<'a, 't> {
+    pub fields: &'a mut Vec<(Arc<str>, Value<'t>)>,
+    pub solids: &'a mut Solids<'t>,
+}
+
+/// A row of the list of effects.
+struct Row {
+    name: &'static str,
+    /// Whether the head of a text lists it.
+    is_listed: bool,
+    /// What it is about.
+    needs: Needs,
+    find: for<'t> fn(&mut Elaborator<'t>, &Called<'_, 't>) -> Eval<Vec<Found>>,
+    /// Leaves out the one of this index; nothing where that cannot be.
+    leave_out: Option<for<'t> fn(&mut Elaborator<'t>, &mut Called<'_, 't>, usize)>,
+}
+
+/// What an effect is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Needs {
+    /// Any picture.
+    Nothing,
+    /// The rays, of whatever is drawn.
+    Rays,
+    /// Light from surfaces.
+    Surfaces,
+}
+
+/// What calls for an effect, or why nothing does.
+enum Found {
+    In { subject: Option<String>, cause: Cause, removed_by: Option<(String, String)>, index: usize },
+    Out { subject: Option<String>, reason: String, span: Option<Span> },
+}
+
+/// All effects; the head of a text lists them in this order.
+const EFFECTS: [Row; 13] = [
+    Row {
+        name: "relaxation",
+        is_listed: true,
+        needs: Needs::Rays,
+        find: relaxation,
+        leave_out: Some(|_, called, _| called.set("render", "relax", false)),
+    },
+    Row {
+        name: "step correction",
+        is_listed: true,
+        needs: Needs::Rays,
+        find: step_correction,
+        leave_out: Some(|_, called, _| called.take_whole_steps()),
+    },
+    Row {
+        name: "soft shadow",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, called| shadows(e, called, true),
+        leave_out: Some(|_, called, index| called.set_light(index, "casts", false)),
+    },
+    Row {
+        name: "hard shadow",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, called| shadows(e, called, false),
+        leave_out: Some(|_, called, index| called.set_light(index, "casts", false)),
+    },
+    Row {
+        name: "occlusion",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, called| {
+            let flag = ("ambient", "occluded");
+            by_setting(e, called, flag, SettingsKind::Ambient, &["occlusion", "color"])
+        },
+        leave_out: Some(|_, called, _| called.set("ambient", "occluded", false)),
+    },
+    Row {
+        name: "glow",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, _| Ok(by_column(e, Column::Glow, "no shape of the scene glows")),
+        leave_out: Some(|_, called, index| called.remove("glows", index)),
+    },
+    Row {
+        name: "rim light",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, called| by_setting(e, called, ("rim", "called"), SettingsKind::Rim, &["color"]),
+        leave_out: Some(|_, called, _| called.set("rim", "called", false)),
+    },
+    Row {
+        name: "fog",
+        is_listed: true,
+        needs: Needs::Nothing,
+        find: |e, called| by_setting(e, called, ("fog", "called"), SettingsKind::Fog, &["density"]),
+        leave_out: Some(|_, called, _| {
+            called.set("fog", "called", false);
+            called.set("fog", "colored", false);
+        }),
+    },
+    Row {
+        name: "tone mapping",
+        is_listed: true,
+        needs: Needs::Nothing,
+        find: |e, called| {
+            let words = ["`tonemap` is `aces`", "`tonemap` is `none`"];
+            Ok(vec![by_word(e, called.is("render", "aces"), (SettingsKind::Render, "tonemap"), words)])
+        },
+        leave_out: Some(|_, called, _| called.set("render", "aces", false)),
+    },
+    Row {
+        name: "emission",
+        is_listed: false,
+        needs: Needs::Surfaces,
+        find: |e, _| Ok(by_column(e, Column::Emission, "no surface of the scene gives light by itself")),
+        leave_out: Some(|e, _, _| {
+            e.unseen_columns.insert(Column::Emission);
+        }),
+    },
+    Row {
+        name: "orbit",
+        is_listed: false,
+        needs: Needs::Nothing,
+        find: |e, called| {
+            let words = ["`orbit` may be true", "`orbit` is false"];
+            Ok(vec![by_word(e, called.is("camera", "orbits"), (SettingsKind::Camera, "orbit"), words)])
+        },
+        leave_out: Some(|_, called, _| called.set("camera", "orbits", false)),
+    },
+    Row { name: TIME, is_listed: false, needs: Needs::Nothing, find: |e, _| Ok(vec![read(e, TIME)]), leave_out: None },
+    Row { name: MOUSE, is_listed: false, needs: Needs::Nothing, find: |e, _| Ok(vec![read(e, MOUSE)]), leave_out: None },
+];
+
+/// The inputs that a scene reads by these names.
+const TIME: &str = "time";
+const MOUSE: &str = "mouse";
+
+impl<'t> Elaborator<'t> {
+    /// All effects, in the order of the list: what calls for each, or why nothing does. `is_lit` says whether what is drawn
+    /// shows light.
+    pub fn effects(&mut self, called: &Called<'_, 't>, is_lit: bool) -> Eval<Vec<Effect>> {
+        let is_empty = called.field("empty").is_some_and(Value::is_true);
+        let mut effects = Vec::new();
+        for row in &EFFECTS {
+            let reason = match row.needs {
+                Needs::Rays | Needs::Surfaces if is_empty => Some("there is nothing in the scene"),
+                Needs::Surfaces if !is_lit => Some("this view shows no light"),
+                _ => None,
+            };
+            let found = match reason {
+                Some(reason) => vec![out(reason, None)],
+                None => (row.find)(self, called)?,
+            };
+            effects.extend(found.into_iter().map(|found| effect(row, found)));
+        }
+        Ok(effects)
+    }
+
+    /// Takes those of the effects at these places out of the record of the renderer: the only place that does.
+    pub fn leave_out(&mut self, effects: &[Effect], left_out: &[usize], called: &mut Called<'_, 't>) {
+        // From the last on, so that the places of the others stay what they are.
+        let mut places = left_out.to_vec();
+        places.sort_unstable();
+        for effect in places.iter().rev().filter_map(|place| effects.get(*place)).filter(|e| e.is_in) {
+            let row = EFFECTS.iter().find(|row| row.name == effect.name);
+            if let Some(leave_out) = row.and_then(|row| row.leave_out) {
+                leave_out(self, called, effect.index);
+            }
+        }
+    }
+
+    /// Notes that the user's files read an input.
+    pub fn note_input(&mut self, name: &str, module: Module, span: Span) {
+        if !module.is_user() {
+            return;
+        }
+        let first = self.inputs_read.entry(name.to_string()).or_insert(span);
+        *first = (*first).min(span);
+    }
+
+    /// Notes what calls for a property of the materials that are being looked at.
+    pub fn note_column(&mut self, column: Column, value: &Number, span: Option<Span>) {
+        // The others are part of light that is there anyway.
+        if matches!(column, Column::Glow | Column::Emission) {
+            let cause = self.cause(column.name(), value, span);
+            self.column_causes.push((column, cause));
+        }
+    }
+
+    /// Takes what was noted of a shape's materials.
+    pub fn note_part(&mut self, shape: &Shape<'t>) {
+        let causes = std::mem::take(&mut self.column_causes);
+        self.parts_called.push((name_of(shape), causes));
+    }
+}
+
+/// The names that the head of a text lists of effects, without those that are left out.
+pub(crate) fn listed(effects: &[Effect], left_out: &[usize]) -> Vec<&'static str> {
+    let is_there = |row: &Row| {
+        effects.iter().enumerate().any(|(i, e)| e.name == row.name && e.is_in && !left_out.contains(&i))
+    };
+    EFFECTS.iter().filter(|row| row.is_listed && is_there(row)).map(|row| row.name).collect()
+}
+
+/// Takes inputs out of the list that the finished program does not read.
+pub(crate) fn settle_inputs(effects: &mut [Effect], program: &Program) {
+    for (name, role) in [(TIME, Role::Time), (MOUSE, Role::Mouse)] {
+        if program.uniforms.iter().any(|uniform| uniform.role == role) {
+            continue;
+        }
+        for effect in effects.iter_mut().filter(|effect| effect.name == name && effect.is_in) {
+            effect.is_in = false;
+            effect.reason = format!("nothing that is drawn depends on `{name}`");
+        }
+    }
+}
+
+fn effect(row: &Row, found: Found) -> Effect {
+    let can_be_left_out = row.leave_out.is_some();
+    match found {
+        Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, index } => Effect {
+            name: row.name,
+            subject,
+            is_in: true,
+            reason: words,
+            span,
+            depends_on,
+            range,
+            removed_by,
+            can_be_left_out,
+            index,
+        },
+        Found::Out { subject, reason, span } => Effect {
+            name: row.name,
+            subject,
+            is_in: false,
+            reason,
+            span,
+            depends_on: Vec::new(),
+            range: None,
+            removed_by: None,
+            can_be_left_out,
+            index: 0,
+        },
+    }
+}
+
+fn out(reason: impl Into<String>, span: Option<Span>) -> Found {
+    Found::Out { subject: None, reason: reason.into(), span }
+}
+
+/// Called for by something that no param changes.
+fn always(words: impl Into<String>, span: Option<Span>) -> Found {
+    let cause = Cause { words: words.into(), span, depends_on: Vec::new(), range: None, zeroed_by: Vec::new() };
+    Found::In { subject: None, cause, removed_by: None, index: 0 }
+}
+
+// ---- how each is found
+
+fn relaxation<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
+    let is_auto = called.is("render", "relax");
+    if is_auto && called.solids.rest().is_none() {
+        return Ok(vec![out("rays march to nothing: half spaces are met where a division says", None)]);
+    }
+    let words = ["`relax` is `auto`", "`relax` is `none`"];
+    Ok(vec![by_word(e, is_auto, (SettingsKind::Render, "relax"), words)])
+}
+
+fn step_correction<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
+    let Some(rest) = called.solids.rest().cloned() else {
+        return Ok(vec![out("rays march to nothing", None)]);
+    };
+    if e.slope_of(&rest)?.everywhere <= 1.0 {
+        return Ok(vec![out("the scene is steep nowhere", None)]);
+    }
+    let mut steepest: Option<(Rc<Shape<'t>>, f64)> = None;
+    for shape in e.scene_parts.clone() {
+        for part in e.parts_behind(&shape)? {
+            let slope = e.slope_of(&part)?.everywhere;
+            if slope > steepest.as_ref().map_or(1.0, |(_, steep)| *steep) {
+                steepest = Some((part, slope));
+            }
+        }
+    }
+    let Some((shape, slope)) = steepest else { return Ok(vec![always("the scene may be steep", None)]) };
+    let within = e.slope_of(&shape)?.within;
+    let number = |x: f64| crate::errors::short(x);
+    let how = match (slope.is_finite(), within.is_finite()) {
+        (true, _) => format!("the slope of `{}` may be {}", name_of(&shape), number(slope)),
+        (false, true) => format!("the slope of `{}` may be {} near its box", name_of(&shape), number(within)),
+        (false, false) => format!("the slope of `{}` has no bound", name_of(&shape)),
+    };
+    let span = (shape.place != Span::default()).then_some(shape.place);
+    Ok(vec![always(how, span)])
+}
+
+/// The shadows of one kind, one for each light that casts it.
+fn shadows<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>, soft: bool) -> Eval<Vec<Found>> {
+    let Some(Value::List(lights)) = called.field("lights") else { unreachable!("lights are a list") };
+    let kind = if soft { "soft" } else { "hard" };
+    let mut found = Vec::new();
+    if e.names.user.lights.is_empty() {
+        if lights.items.first().is_some_and(|light| casts(light, soft)) {
+            found.push(always("no light is declared, and the default one casts it", None));
+        }
+    }
+    let mut lit = lights.items.iter().enumerate();
+    for (name, record) in e.names.user.lights.clone() {
+        let span = field_of(record, "shadow");
+        let subject = Some(name.text.to_string());
+        if e.dark_lights.contains(&name.text) {
+            if asks_for(record, kind) {
+                let reason = "it gives no light: its `intensity` or its `color` is 0".to_string();
+                found.push(Found::Out { subject, reason, span });
+            }
+            continue;
+        }
+        let Some((index, light)) = lit.next() else { break };
+        if !casts(light, soft) {
+            continue;
+        }
+        let Value::Record(fields) = light else { unreachable!("a light is a record") };
+        let Some(Value::Number(color)) = fields.get("color") else { unreachable!("a light has a colour") };
+        let light = e.cause("intensity", color, span);
+        // Whether it casts a shadow is static; whether it gives light may not be.
+        let cause = Cause { words: format!("`shadow` is `{kind}`"), ..light };
+        found.push(Found::In { subject, removed_by: cause.zeroed_by.first().cloned(), cause, index });
+    }
+    if found.is_empty() {
+        let reason = match lights.items.is_empty() {
+            true => "no light reaches a surface".to_string(),
+            false => format!("no light casts a {kind} shadow"),
+        };
+        found.push(out(reason, None));
+    }
+    Ok(found)
+}
+
+/// Whether a light casts shadows of this kind.
+fn casts(light: &Value<'_>, soft: bool) -> bool {
+    let Value::Record(light) = light else { return false };
+    let is = |name| light.get(name).is_some_and(Value::is_true);
+    is("casts") && is("soft") == soft
+}
+
+/// Whether the setting `shadow` of a light begins with this word.
+fn asks_for(light: &Record, kind: &str) -> bool {
+    let value = light.fields.iter().find(|field| &*field.name.text == "shadow").map(|field| &field.value.kind);
+    let word = match value {
+        Some(ExprKind::Postfix { base, .. }) => Some(&base.kind),
+        other => other,
+    };
+    matches!(word, Some(ExprKind::Name(word)) if &**word == kind)
+}
+
+fn field_of(record: &Record, name: &str) -> Option<Span> {
+    record.fields.iter().find(|field| &*field.name.text == name).map(|field| field.value.span)
+}
+
+/// An effect that a block's flag says is called for, since none of these of its settings is zero. The first is the one that
+/// is the effect's own.
+fn by_setting<'t>(
+    e: &mut Elaborator<'t>,
+    called: &Called<'_, 't>,
+    (block, flag): (&str, &str),
+    kind: SettingsKind,
+    settings: &[&str],
+) -> Eval<Vec<Found>> {
+    let Some(record) = called.record(block) else { unreachable!("`{block}` is a record") };
+    let mut causes = Vec::new();
+    for name in settings {
+        let Some(Value::Number(value)) = record.get(name) else { unreachable!("`{name}` is a number") };
+        let span = e.span_of_setting(kind, name);
+        if !e.may_be_nonzero(value) {
+            let by_default = if span.is_none() { " by default" } else { "" };
+            let is = if value.known().is_some() { "is 0" } else { "is always 0" };
+            return Ok(vec![out(format!("`{name}` {is}{by_default}"), span)]);
+        }
+        causes.push(e.cause(name, value, span));
+    }
+    if !called.is(block, flag) {
+        return Ok(vec![out("nothing calls for it", None)]);
+    }
+    let removed_by = causes.iter().flat_map(|cause| cause.zeroed_by.first()).next().cloned();
+    Ok(vec![Found::In { subject: None, cause: causes.remove(0), removed_by, index: 0 }])
+}
+
+/// An effect that a setting switches; the words say what it is if it is in, and if not.
+fn by_word(
+    e: &mut Elaborator<'_>,
+    is_in: bool,
+    (kind, name): (SettingsKind, &str),
+    [on, off]: [&str; 2],
+) -> Found {
+    let span = e.span_of_setting(kind, name);
+    let by_default = if span.is_none() { " by default" } else { "" };
+    match is_in {
+        true => always(format!("{on}{by_default}"), span),
+        false => out(format!("{off}{by_default}"), span),
+    }
+}
+
+/// An effect that the materials of shapes call for, one for each part of the scene.
+fn by_column(e: &mut Elaborator<'_>, column: Column, otherwise: &str) -> Vec<Found> {
+    let mut found = Vec::new();
+    for (name, causes) in &e.parts_called {
+        let own: Vec<&Cause> = causes.iter().filter(|(c, _)| *c == column).map(|(_, cause)| cause).collect();
+        let Some(first) = own.first() else { continue };
+        // Each of its materials must be without it.
+        let removes = |set: &&(String, String)| own.iter().all(|cause| cause.zeroed_by.contains(set));
+        let removed_by = first.zeroed_by.iter().find(removes).cloned();
+        let index = found.len();
+        found.push(Found::In { subject: Some(name.clone()), cause: (*first).clone(), removed_by, index });
+    }
+    if found.is_empty() {
+        found.push(out(otherwise, None));
+    }
+    found
+}
+
+/// An input that the user's files read.
+fn read(e: &mut Elaborator<'_>, name: &str) -> Found {
+    match e.inputs_read.get(name) {
+        Some(span) => always(format!("`{name}` is read"), Some(*span)),
+        None => out(format!("nothing reads `{name}`"), None),
+    }
+}
+
+// ---- the record of the renderer
+
+impl<'t> Called<'_, 't> {
+    fn field(&self, name: &str) -> Option<&Value<'t>> {
+        self.fields.iter().find(|(other, _)| &**other == name).map(|(_, value)| value)
+    }
+
+    fn record(&self, name: &str) -> Option<&Rc<Fields<'t>>> {
+        match self.field(name) {
+            Some(Value::Record(record)) => Some(record),
+            _ => None,
+        }
+    }
+
+    fn is(&self, block: &str, flag: &str) -> bool {
+        self.record(block).and_then(|record| record.get(flag)).is_some_and(Value::is_true)
+    }
+
+    fn replace(&mut self, name: &str, change: impl FnOnce(&Value<'t>) -> Value<'t>) {
+        if let Some((_, value)) = self.fields.iter_mut().find(|(other, _)| &**other == name) {
+            *value = change(value);
+        }
+    }
+
+    fn set(&mut self, block: &str, flag: &str, is: bool) {
+        self.replace(block, |record| with_flag(record, flag, is));
+    }
+
+    fn set_light(&mut self, index: usize, flag: &str, is: bool) {
+        self.replace("lights", |lights| {
+            let Value::List(list) = lights else { unreachable!("lights are a list") };
+            let lights = list.items.iter().enumerate();
+            let changed = |(i, light): (usize, &Value<'t>)| {
+                if i == index { with_flag(light, flag, is) } else { light.clone() }
+            };
+            Value::list(lights.map(changed).collect())
+        });
+    }
+
+    /// Takes an element out of a list.
+    fn remove(&mut self, list: &str, index: usize) {
+        self.replace(list, |value| {
+            let Value::List(list) = value else { unreachable!("it is a list") };
+            let others = list.items.iter().enumerate().filter(|(i, _)| *i != index);
+            Value::list(others.map(|(_, value)| value.clone()).collect())
+        });
+    }
+
+    /// Lets rays step as far as fields read, however steep these are.
+    fn take_whole_steps(&mut self) {
+        self.solids.take_whole_steps();
+        let map = self.solids.map.clone();
+        self.replace("map", |_| map);
+    }
+}
+
+/// The record with another truth value.
+fn with_flag<'t>(record: &Value<'t>, flag: &str, is: bool) -> Value<'t> {
+    let Value::Record(record) = record else { unreachable!("it is a record") };
+    let fields = record.fields.iter().map(|(name, value)| {
+        let value = if &**name == flag { Value::bool(is) } else { value.clone() };
+        (name.clone(), value)
+    });
+    Value::record(fields.collect())
+}

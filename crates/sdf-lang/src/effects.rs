@@ -4,11 +4,12 @@
 //! and which flag of that record leaves it out.
 
 use crate::causes::Cause;
+use crate::errors::short;
 use crate::eval::{Elaborator, Eval};
-use crate::facts::name_of;
+use crate::facts::{name_of, parts};
 use crate::solids::Solids;
 use crate::surface::Column;
-use crate::value::{Fields, Module, Number, Shape, Value};
+use crate::value::{Fields, Module, Number, Shape, ShapeKind, Value};
 use sdf_ir::{Program, Role};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{ExprKind, Record, SettingsKind};
@@ -36,6 +37,8 @@ pub struct Effect {
     pub removed_by: Option<(String, String)>,
     /// Whether it can be [left out](crate::Options::left_out) to be measured.
     pub can_be_left_out: bool,
+    /// Whether it is about how rays march, and not about light.
+    pub is_of_march: bool,
     /// Which of its kind it is, in the record of the renderer.
     index: usize,
 }
@@ -172,6 +175,9 @@ const EFFECTS: [Row; 13] = [
     Row { name: MOUSE, is_listed: false, needs: Needs::Nothing, find: |e, _| Ok(vec![read(e, MOUSE)]), leave_out: None },
 ];
 
+/// A slope from which on there is no use in telling it.
+const ENDLESS: f64 = 1e6;
+
 /// The inputs that a scene reads by these names.
 const TIME: &str = "time";
 const MOUSE: &str = "mouse";
@@ -231,7 +237,19 @@ impl<'t> Elaborator<'t> {
     /// Takes what was noted of a shape's materials.
     pub fn note_part(&mut self, shape: &Shape<'t>) {
         let causes = std::mem::take(&mut self.column_causes);
-        self.parts_called.push((name_of(shape), causes));
+        self.parts_called.push((subject_of(shape), causes));
+    }
+}
+
+/// What a part of a scene is called: what is moved or repeated has the name of what is.
+fn subject_of(shape: &Shape<'_>) -> String {
+    match &shape.kind {
+        ShapeKind::Painted { shape, .. } => subject_of(shape),
+        ShapeKind::Field { origin: Some(origin), .. } if !origin.module.is_user() => match &parts(shape)[..] {
+            [only] => subject_of(only),
+            _ => name_of(shape),
+        },
+        _ => name_of(shape),
     }
 }
 
@@ -257,7 +275,7 @@ pub(crate) fn settle_inputs(effects: &mut [Effect], program: &Program) {
 }
 
 fn effect(row: &Row, found: Found) -> Effect {
-    let can_be_left_out = row.leave_out.is_some();
+    let (can_be_left_out, is_of_march) = (row.leave_out.is_some(), row.needs == Needs::Rays);
     match found {
         Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, index } => Effect {
             name: row.name,
@@ -269,6 +287,7 @@ fn effect(row: &Row, found: Found) -> Effect {
             range,
             removed_by,
             can_be_left_out,
+            is_of_march,
             index,
         },
         Found::Out { subject, reason, span } => Effect {
@@ -281,6 +300,7 @@ fn effect(row: &Row, found: Found) -> Effect {
             range: None,
             removed_by: None,
             can_be_left_out,
+            is_of_march,
             index: 0,
         },
     }
@@ -314,25 +334,30 @@ fn step_correction<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<
     if e.slope_of(&rest)?.everywhere <= 1.0 {
         return Ok(vec![out("the scene is steep nowhere", None)]);
     }
-    let mut steepest: Option<(Rc<Shape<'t>>, f64)> = None;
-    for shape in e.scene_parts.clone() {
-        for part in e.parts_behind(&shape)? {
-            let slope = e.slope_of(&part)?.everywhere;
-            if slope > steepest.as_ref().map_or(1.0, |(_, steep)| *steep) {
-                steepest = Some((part, slope));
-            }
-        }
+    // The shape that makes it so is as steep as the whole.
+    let mut shape = rest;
+    while let Some(part) = steepest_part(e, &shape)? {
+        shape = part;
     }
-    let Some((shape, slope)) = steepest else { return Ok(vec![always("the scene may be steep", None)]) };
-    let within = e.slope_of(&shape)?.within;
-    let number = |x: f64| crate::errors::short(x);
-    let how = match (slope.is_finite(), within.is_finite()) {
-        (true, _) => format!("the slope of `{}` may be {}", name_of(&shape), number(slope)),
-        (false, true) => format!("the slope of `{}` may be {} near its box", name_of(&shape), number(within)),
-        (false, false) => format!("the slope of `{}` has no bound", name_of(&shape)),
+    let (slope, name) = (e.slope_of(&shape)?, name_of(&shape));
+    let how = match (slope.everywhere < ENDLESS, slope.within < ENDLESS) {
+        (true, _) => format!("the slope of `{name}` may be {}", short(slope.everywhere)),
+        (false, true) => format!("the slope of `{name}` may be {} in its box, and more outside", short(slope.within)),
+        (false, false) => format!("the slope of `{name}` has no bound"),
     };
     let span = (shape.place != Span::default()).then_some(shape.place);
     Ok(vec![always(how, span)])
+}
+
+/// The part of a shape that is as steep as the shape itself, if there is one.
+fn steepest_part<'t>(e: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Eval<Option<Rc<Shape<'t>>>> {
+    let whole = e.slope_of(shape)?.everywhere;
+    for part in parts(shape) {
+        if e.slope_of(&part)?.everywhere >= whole {
+            return Ok(Some(part));
+        }
+    }
+    Ok(None)
 }
 
 /// The shadows of one kind, one for each light that casts it.

@@ -67,7 +67,7 @@ pub enum Command {
     Check(CheckArguments),
     /// Print the distance, the gradient and the material at points
     Query(QueryArguments),
-    /// Say what the code of a message means, with an example and its correction
+    /// Say what a scene calls for and what that takes; or what the code of a message means
     Explain(ExplainArguments),
     /// Say what a function of the library, or another word of the language, does; or list them all
     Doc(DocArguments),
@@ -178,12 +178,40 @@ pub struct QueryArguments {
     pub timings: bool,
 }
 
-/// `sdfc explain CODE…`
+/// `sdfc explain SCENE`, `sdfc explain CODE…`
 #[derive(Debug, Args)]
 pub struct ExplainArguments {
-    /// The codes, as messages show them: E020, W001
-    #[arg(required = true, value_name = "CODE")]
-    pub codes: Vec<String>,
+    /// A scene, where `-` reads standard input; or codes, as messages show them: E020, W001
+    ///
+    /// Of a scene: each effect, what calls for it or why nothing does, how many evaluations of the scene's field it takes a
+    /// pixel, and its share of the time of a picture; and each shape, with what makes it dear. Of a code: what it means, with an
+    /// example and its correction.
+    #[arg(required = true, value_name = "SCENE|CODE")]
+    pub subjects: Vec<String>,
+    /// The size of the picture that is counted and timed, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "320x180", value_parser = size)]
+    pub size: (u32, u32),
+    /// The time in seconds, at least 0
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: f64,
+    /// What is timed: `auto`, `gpu`, `cpu`, or a part of a graphics device's name
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
+    pub device: Device,
+    /// For about how long pictures are timed, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds, conflicts_with = "no_time", allow_negative_numbers = true)]
+    pub budget: f64,
+    /// Take no times: what is printed is then the same on every machine
+    #[arg(long)]
+    pub no_time: bool,
+    /// Print an object of JSON, with all shapes and all digits
+    #[arg(long)]
+    pub json: bool,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
 }
 
 /// `sdfc doc NAME…`

@@ -97,7 +97,7 @@ fn form(form: &Form) -> String {
 }
 
 /// A text behind a heading, broken between words, its further lines set in by `indent`.
-fn hanging(heading: &str, indent: usize, text: &str) -> String {
+pub fn hanging(heading: &str, indent: usize, text: &str) -> String {
     let mut out = heading.to_string();
     let mut column = indent;
     for (i, word) in text.split(' ').enumerate() {

@@ -7,6 +7,13 @@ use sdf_render::{Drawn, Frame, Picture, cpu};
 use sdf_syntax::Diagnostic;
 use std::fmt::{self, Display, Formatter};
 
+#[cfg(feature = "gpu")]
+use {
+    crate::{Format, Target},
+    sdf_emit::UniformLayout,
+    sdf_render::gpu::{DevicePreference, Gpu, GpuError, Shader as Source},
+};
+
 /// What draws.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Device {
@@ -69,6 +76,22 @@ impl Display for DrawError {
 
 impl std::error::Error for DrawError {}
 
+/// A graphics device that is ready.
+#[cfg(feature = "gpu")]
+pub(crate) fn open(device: &Device) -> Result<Gpu, DrawError> {
+    let preference = match device {
+        Device::Named(name) => DevicePreference::Named(name.clone()),
+        Device::Auto | Device::Gpu | Device::Cpu => DevicePreference::Any,
+    };
+    Gpu::new(&preference).map_err(failed)
+}
+
+/// What a device has said.
+#[cfg(feature = "gpu")]
+pub(crate) fn failed(error: GpuError) -> DrawError {
+    DrawError::Device(error.to_string())
+}
+
 impl Shader {
     /// Draws the scene.
     pub fn draw(
@@ -115,19 +138,10 @@ impl Shader {
         progress: Progress,
         clock: &mut Clock,
     ) -> Result<Drawing, DrawError> {
-        use crate::{Format, Target};
-        use sdf_emit::UniformLayout;
-        use sdf_render::gpu::{DevicePreference, Gpu, Shader as Source};
-
         /// The side of the tiles that are drawn at once, in pixels: small enough that no driver loses patience.
         const TILE: u32 = 128;
 
-        let preference = match device {
-            Device::Named(name) => DevicePreference::Named(name.clone()),
-            Device::Auto | Device::Gpu | Device::Cpu => DevicePreference::Any,
-        };
-        let failed = |error: sdf_render::gpu::GpuError| DrawError::Device(error.to_string());
-        let gpu = clock.time("open the device", || Gpu::new(&preference)).map_err(failed)?;
+        let gpu = clock.time("open the device", || open(device))?;
         let format = match language {
             Language::Wgsl => Format::Text(Target::Wgsl),
             Language::Glsl => Format::Text(Target::Glsl450),
@@ -141,8 +155,7 @@ impl Shader {
             Language::SpirV => Source::SpirV { vertex: &file, fragment: &file },
         };
         let size = [frame.width, frame.height];
-        let values = frame.uniforms(&self.program);
-        let uniforms = UniformLayout::of(&self.program).bytes(size, &values);
+        let uniforms = self.uniforms(frame);
         let mut tell = |done: u32, of: u32| progress(f64::from(done) / f64::from(of));
         let [width, height] = size;
         let drawn = clock.time("draw", || match type_beside(&self.program) {
@@ -159,6 +172,13 @@ impl Shader {
             }
         });
         Ok(self.drawing(drawn.map_err(failed)?, gpu.name().name.clone(), None))
+    }
+
+    /// The bytes of the uniform block.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn uniforms(&self, frame: &Frame) -> Vec<u8> {
+        let values = frame.uniforms(&self.program);
+        UniformLayout::of(&self.program).bytes([frame.width, frame.height], &values)
     }
 
     #[cfg(not(feature = "gpu"))]

@@ -95,7 +95,7 @@ fn extent(extent: &Extent, is_flat: bool) -> String {
 }
 
 /// A number with as many digits as a reader wants.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     let digits = (3 - x.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
     let text = format!("{x:.digits$}");
     match text.contains('.') {

@@ -32,6 +32,7 @@ pub fn read(path: &Path, terminal: &Terminal) -> Result<Scene, Failure> {
                 Some(name) => failure.help(format!("did you mean {name}?")),
                 None => failure.help("is the path right?"),
             },
+            io::ErrorKind::IsADirectory => failure.help("name a file in it"),
             _ => failure,
         }
     })?;

@@ -10,6 +10,8 @@ mod draw;
 mod field;
 mod files;
 mod measured;
+mod price;
+mod race;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT, scene_word};
@@ -17,9 +19,11 @@ pub use draw::{Device, DrawError, Drawing, Language, Progress};
 pub use field::{Field, Material, Property, Sample};
 pub use files::{FileLoader, similar_file};
 pub use measured::Measured;
+pub use price::{Evaluations, Variant, without};
+pub use race::{Lap, Race, race};
 pub use sdf_emit::{Format, Target};
 pub use sdf_ir::Constant;
-pub use sdf_lang::{Basis, Class, Copies, Fact, Options, Scene, View};
+pub use sdf_lang::{Basis, Class, Copies, Effect, Fact, Options, Scene, View};
 pub use sdf_render::{Frame, Picture};
 
 use sdf_emit::Header;

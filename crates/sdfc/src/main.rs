@@ -67,7 +67,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         Command::Render(arguments) => render::run(arguments, terminal),
         Command::Check(arguments) => check::run(arguments, terminal),
         Command::Query(arguments) => query::run(arguments, terminal),
-        Command::Explain(arguments) => explain::run(arguments),
+        Command::Explain(wanted) => explain::run(wanted, &arguments.messages, terminal),
         Command::Doc(wanted) => doc::run(wanted, &arguments.messages),
     }
 }

@@ -2,6 +2,7 @@
 
 mod attributes;
 mod complete;
+mod effects;
 mod facts;
 mod imports;
 mod language;

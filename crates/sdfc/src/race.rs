@@ -1,0 +1,267 @@
+//! How long pictures take beside each other.
+//!
+//! A machine that others work on too is not still for a second. So the contestants take turns, each draws once a round,
+//! ratios are those of one round, and what is told are medians and quartiles. What is built and compiled before the first
+//! picture does not count.
+
+use crate::draw::{Device, DrawError, Progress};
+use crate::{Frame, Shader};
+use std::time::{Duration, Instant};
+
+/// How often a device that has a clock draws a picture in one round: enough that a round is long beside what its clock
+/// and its power are late by.
+#[cfg(feature = "gpu")]
+const PASSES: u32 = 8;
+/// How many rounds there are at least, however long they take, and how many are enough.
+const ROUNDS: [usize; 2] = [3, 101];
+/// Which share of the time may go by before the first round.
+const WARMING: f64 = 0.7;
+
+/// What came of a race.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Race {
+    /// What drew.
+    pub device: String,
+    /// Why it is not what was preferred, where that is so.
+    pub fallback: Option<String>,
+    /// By which clock: `the device's clock`, `all processors together` or `the clock on the wall`.
+    pub clock: &'static str,
+    /// The size of the pictures.
+    pub size: (u32, u32),
+    /// How many rounds there were.
+    pub rounds: usize,
+    /// What each contestant took; nothing for those for which there was no time.
+    pub laps: Vec<Option<Lap>>,
+}
+
+/// What a contestant takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lap {
+    /// The time of a picture, in the median.
+    pub time: Duration,
+    /// The time as a multiple of the first contestant's in the same round: the lower quartile, the median and the upper
+    /// quartile.
+    pub ratio: [f64; 3],
+}
+
+/// Draws each shader once a round, for about this long.
+pub fn race(
+    shaders: &[&Shader],
+    frame: &Frame,
+    device: &Device,
+    budget: Duration,
+    progress: Progress,
+) -> Result<Race, DrawError> {
+    match device {
+        Device::Cpu => on_cpu(shaders, frame, None, budget, progress),
+        Device::Gpu | Device::Named(_) => on_gpu(shaders, frame, device, budget, progress),
+        Device::Auto => match on_gpu(shaders, frame, device, budget, progress) {
+            Err(DrawError::Device(why)) => on_cpu(shaders, frame, Some(why), budget, progress),
+            other => other,
+        },
+    }
+}
+
+/// The interpreter draws smaller pictures where the time would else end before the last round.
+fn on_cpu(
+    shaders: &[&Shader],
+    frame: &Frame,
+    fallback: Option<String>,
+    budget: Duration,
+    progress: Progress,
+) -> Result<Race, DrawError> {
+    let end = Instant::now() + budget;
+    let draw = |shader: &Shader, frame: &Frame| {
+        let before = Watch::start();
+        sdf_render::cpu::render(&shader.program, frame);
+        Ok(before.spent())
+    };
+    let mut frame = frame.clone();
+    loop {
+        let begin = Instant::now();
+        draw(shaders[0], &frame)?;
+        let all = begin.elapsed() * (shaders.len() * ROUNDS[0]) as u32;
+        if all <= end.saturating_duration_since(Instant::now()) || frame.width.min(frame.height) < 32 {
+            break;
+        }
+        (frame.width, frame.height) = (frame.width / 2, frame.height / 2);
+    }
+    let ready: Vec<usize> = (0..shaders.len()).collect();
+    let laps = rounds(&ready, end, progress, |i| draw(shaders[i], &frame))?;
+    Ok(told(laps, shaders.len(), "CPU".into(), fallback, Watch::CLOCK, &frame))
+}
+
+#[cfg(feature = "gpu")]
+fn on_gpu(
+    shaders: &[&Shader],
+    frame: &Frame,
+    device: &Device,
+    budget: Duration,
+    progress: Progress,
+) -> Result<Race, DrawError> {
+    use crate::draw::{failed, open};
+    use sdf_render::gpu::{Prepared, Shader as Source};
+
+    let (begin, gpu) = (Instant::now(), open(device)?);
+    let size = [frame.width, frame.height];
+    let draw = |prepared: &Prepared| prepared.draw(size[0].max(size[1]), &mut |_, _| {}).map_err(failed);
+    let mut prepared: Vec<Option<Prepared>> = Vec::new();
+    for shader in shaders {
+        if !prepared.is_empty() && begin.elapsed() > budget.mul_f64(WARMING) {
+            prepared.push(None);
+            continue;
+        }
+        let text = shader.text(crate::Target::Wgsl).map_err(DrawError::Shader)?;
+        let ready = gpu.prepare(Source::Wgsl(&text), size, &shader.uniforms(frame)).map_err(failed)?;
+        // The driver compiles at the first picture.
+        draw(&ready)?;
+        prepared.push(Some(ready));
+    }
+    let is_ready = |i: &usize| prepared[*i].is_some();
+    let ready: Vec<usize> = (0..shaders.len()).filter(is_ready).collect();
+    let of = |i: usize| prepared[i].as_ref().expect("those that are ready were prepared");
+    let has_clock = !gpu.name().software && of(0).time(PASSES).is_ok();
+    let laps = rounds(&ready, begin + budget, progress, |i| match has_clock {
+        true => of(i).time(PASSES).map_err(failed),
+        false => {
+            let watch = Watch::of(gpu.name().software);
+            draw(of(i))?;
+            Ok(watch.spent())
+        }
+    })?;
+    let clock = match (has_clock, gpu.name().software) {
+        (true, _) => "the device's clock",
+        (false, true) => Watch::CLOCK,
+        (false, false) => Watch::WALL,
+    };
+    Ok(told(laps, shaders.len(), gpu.name().name.clone(), None, clock, frame))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_gpu(_: &[&Shader], _: &Frame, _: &Device, _: Duration, _: Progress) -> Result<Race, DrawError> {
+    Err(DrawError::Device("this build of sdfc cannot use graphics devices".into()))
+}
+
+/// The times of some contestants, by their numbers, round by round, until the end.
+fn rounds(
+    ready: &[usize],
+    end: Instant,
+    progress: Progress,
+    mut lap: impl FnMut(usize) -> Result<Duration, DrawError>,
+) -> Result<Vec<(usize, Vec<f64>)>, DrawError> {
+    let begin = Instant::now();
+    let mut laps: Vec<(usize, Vec<f64>)> = ready.iter().map(|i| (*i, Vec::new())).collect();
+    for round in 0..ROUNDS[1] {
+        if round >= ROUNDS[0] && Instant::now() >= end {
+            break;
+        }
+        // Nobody is always the one after the same other.
+        let mut order: Vec<usize> = (0..ready.len()).collect();
+        if round % 2 == 1 {
+            order.reverse();
+        }
+        for place in order {
+            let time = lap(ready[place])?;
+            laps[place].1.push(time.as_secs_f64().max(1e-9));
+            let whole = end.saturating_duration_since(begin).as_secs_f64().max(1e-3);
+            progress((begin.elapsed().as_secs_f64() / whole).min(1.0));
+        }
+    }
+    Ok(laps)
+}
+
+fn told(
+    laps: Vec<(usize, Vec<f64>)>,
+    contestants: usize,
+    device: String,
+    fallback: Option<String>,
+    clock: &'static str,
+    frame: &Frame,
+) -> Race {
+    let first = laps[0].1.clone();
+    let mut out = vec![None; contestants];
+    for (contestant, own) in &laps {
+        let ratios: Vec<f64> = own.iter().zip(&first).map(|(a, b)| a / b).collect();
+        let time = Duration::from_secs_f64(quartiles(own.clone())[1]);
+        out[*contestant] = Some(Lap { time, ratio: quartiles(ratios) });
+    }
+    let size = (frame.width, frame.height);
+    Race { device, fallback, clock, size, rounds: first.len(), laps: out }
+}
+
+/// The lower quartile, the median and the upper quartile of some numbers.
+fn quartiles(mut numbers: Vec<f64>) -> [f64; 3] {
+    numbers.sort_by(f64::total_cmp);
+    [1, 2, 3].map(|quarter| numbers[(numbers.len() - 1) * quarter / 4])
+}
+
+/// A clock for what runs on processors: what the process had of them all, where the system tells that.
+enum Watch {
+    Wall(Instant),
+    #[cfg(unix)]
+    Processors(Duration),
+}
+
+impl Watch {
+    const WALL: &str = "the clock on the wall";
+    #[cfg(unix)]
+    const CLOCK: &str = "all processors together";
+    #[cfg(not(unix))]
+    const CLOCK: &str = Watch::WALL;
+
+    fn start() -> Watch {
+        Watch::of(true)
+    }
+
+    /// A clock for what processors do, or else for what a device does.
+    fn of(processors: bool) -> Watch {
+        #[cfg(unix)]
+        if processors {
+            return Watch::Processors(processor_time());
+        }
+        let _ = processors;
+        Watch::Wall(Instant::now())
+    }
+
+    fn spent(&self) -> Duration {
+        match self {
+            Watch::Wall(begin) => begin.elapsed(),
+            #[cfg(unix)]
+            Watch::Processors(before) => processor_time().saturating_sub(*before),
+        }
+    }
+}
+
+/// How long this process has had processors so far.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Clock, Options, compile};
+
+    #[test]
+    fn quartiles_are_of_the_sorted() {
+        assert_eq!(quartiles(vec![5.0, 1.0, 3.0, 2.0, 4.0]), [2.0, 3.0, 4.0]);
+        assert_eq!(quartiles(vec![7.0]), [7.0; 3]);
+    }
+
+    #[test]
+    fn rounds_end() {
+        let shader = |occlusion: u32| {
+            let text = format!("scene {{ box(1) }} ambient {{ occlusion: {occlusion} }}");
+            compile("a.sdf", &text, &Options::default(), &mut Clock::default()).output.unwrap().1
+        };
+        let (with, without) = (shader(1), shader(0));
+        let frame = Frame::new(64, 36);
+        let budget = Duration::from_millis(200);
+        let race = race(&[&with, &without], &frame, &Device::Cpu, budget, &|_| {}).unwrap();
+        assert!(race.rounds >= 3 && race.device == "CPU" && race.laps.len() == 2, "{race:?}");
+        let [low, middle, high] = race.laps[1].unwrap().ratio;
+        assert!(low <= middle && middle <= high && race.laps[0].unwrap().ratio == [1.0; 3], "{race:?}");
+    }
+}

@@ -7,8 +7,8 @@ use crate::constant::Constant;
 use crate::hash::MixMap;
 use crate::interval::Axis;
 use crate::program::{
-    Binary, Evaluation, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation, Rotations,
-    Ternary, Type, Unary, Value,
+    Binary, Evaluation, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation,
+    Rotations, Ternary, Type, Unary, Value,
 };
 use crate::rules;
 use rustc_hash::FxHashMap;

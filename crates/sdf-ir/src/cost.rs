@@ -70,7 +70,8 @@ struct Count {
     rounds: fn(u32) -> u64,
 }
 
-const OPERATIONS: Count = Count { of_node: operations_of_node, of_callee: |_, inside| inside, rounds: u64_of };
+const OPERATIONS: Count =
+    Count { of_node: operations_of_node, of_callee: |_, inside| inside, rounds: u64_of };
 
 fn u64_of(count: u32) -> u64 {
     u64::from(count)

@@ -149,7 +149,10 @@ pub fn bounds_of_uniform(uniform: &Uniform) -> Bounds {
         Role::Setting => Bounds::constant(uniform.default),
         Role::Orbit { .. } => Bounds::vector(&[Interval::new(-LARGEST, LARGEST); 3]),
         Role::Param { range: Some((lo, hi)), .. } => Bounds::float(Interval::new(*lo, *hi)),
-        Role::Param { color: true, .. } => Bounds::vector(&[Interval::UNIT; 3]),
+        // Pages offer colours of a screen, and the file has written any.
+        Role::Param { color: true, .. } => {
+            Bounds::vector(&[Interval::UNIT; 3]).hull(&Bounds::constant(uniform.default))
+        }
         Role::Param { .. } => match uniform.ty {
             Type::Bool => Bounds::bool(None),
             ty => Bounds::vector(&[Interval::new(-LARGEST, LARGEST); 3][..ty.size()]),

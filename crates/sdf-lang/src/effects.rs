@@ -171,8 +171,20 @@ const EFFECTS: [Row; 13] = [
         },
         leave_out: Some(|_, called, _| called.set("camera", "orbits", false)),
     },
-    Row { name: TIME, is_listed: false, needs: Needs::Nothing, find: |e, _| Ok(vec![read(e, TIME)]), leave_out: None },
-    Row { name: MOUSE, is_listed: false, needs: Needs::Nothing, find: |e, _| Ok(vec![read(e, MOUSE)]), leave_out: None },
+    Row {
+        name: TIME,
+        is_listed: false,
+        needs: Needs::Nothing,
+        find: |e, _| Ok(vec![read(e, TIME)]),
+        leave_out: None,
+    },
+    Row {
+        name: MOUSE,
+        is_listed: false,
+        needs: Needs::Nothing,
+        find: |e, _| Ok(vec![read(e, MOUSE)]),
+        leave_out: None,
+    },
 ];
 
 /// A slope from which on there is no use in telling it.
@@ -245,10 +257,12 @@ impl<'t> Elaborator<'t> {
 fn subject_of(shape: &Shape<'_>) -> String {
     match &shape.kind {
         ShapeKind::Painted { shape, .. } => subject_of(shape),
-        ShapeKind::Field { origin: Some(origin), .. } if !origin.module.is_user() => match &parts(shape)[..] {
-            [only] => subject_of(only),
-            _ => name_of(shape),
-        },
+        ShapeKind::Field { origin: Some(origin), .. } if !origin.module.is_user() => {
+            match &parts(shape)[..] {
+                [only] => subject_of(only),
+                _ => name_of(shape),
+            }
+        }
         _ => name_of(shape),
     }
 }
@@ -277,19 +291,21 @@ pub(crate) fn settle_inputs(effects: &mut [Effect], program: &Program) {
 fn effect(row: &Row, found: Found) -> Effect {
     let (can_be_left_out, is_of_march) = (row.leave_out.is_some(), row.needs == Needs::Rays);
     match found {
-        Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, index } => Effect {
-            name: row.name,
-            subject,
-            is_in: true,
-            reason: words,
-            span,
-            depends_on,
-            range,
-            removed_by,
-            can_be_left_out,
-            is_of_march,
-            index,
-        },
+        Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, index } => {
+            Effect {
+                name: row.name,
+                subject,
+                is_in: true,
+                reason: words,
+                span,
+                depends_on,
+                range,
+                removed_by,
+                can_be_left_out,
+                is_of_march,
+                index,
+            }
+        }
         Found::Out { subject, reason, span } => Effect {
             name: row.name,
             subject,
@@ -312,7 +328,8 @@ fn out(reason: impl Into<String>, span: Option<Span>) -> Found {
 
 /// Called for by something that no param changes.
 fn always(words: impl Into<String>, span: Option<Span>) -> Found {
-    let cause = Cause { words: words.into(), span, depends_on: Vec::new(), range: None, zeroed_by: Vec::new() };
+    let cause =
+        Cause { words: words.into(), span, depends_on: Vec::new(), range: None, zeroed_by: Vec::new() };
     Found::In { subject: None, cause, removed_by: None, index: 0 }
 }
 
@@ -342,7 +359,9 @@ fn step_correction<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<
     let (slope, name) = (e.slope_of(&shape)?, name_of(&shape));
     let how = match (slope.everywhere < ENDLESS, slope.within < ENDLESS) {
         (true, _) => format!("the slope of `{name}` may be {}", short(slope.everywhere)),
-        (false, true) => format!("the slope of `{name}` may be {} in its box, and more outside", short(slope.within)),
+        (false, true) => {
+            format!("the slope of `{name}` may be {} in its box, and more outside", short(slope.within))
+        }
         (false, false) => format!("the slope of `{name}` has no bound"),
     };
     let span = (shape.place != Span::default()).then_some(shape.place);
@@ -411,7 +430,8 @@ fn casts(light: &Value<'_>, soft: bool) -> bool {
 
 /// Whether the setting `shadow` of a light begins with this word.
 fn asks_for(light: &Record, kind: &str) -> bool {
-    let value = light.fields.iter().find(|field| &*field.name.text == "shadow").map(|field| &field.value.kind);
+    let value =
+        light.fields.iter().find(|field| &*field.name.text == "shadow").map(|field| &field.value.kind);
     let word = match value {
         Some(ExprKind::Postfix { base, .. }) => Some(&base.kind),
         other => other,

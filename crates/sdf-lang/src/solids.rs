@@ -91,7 +91,14 @@ impl<'t> Elaborator<'t> {
         if half_spaces.is_empty() {
             let map = named(rest, "map", MAP);
             let Value::Shape(shape) = &map else { unreachable!("a shape was named") };
-            return Ok(Solids { half_spaces, grounds, extent, rest: Some(shape.clone()), map, takes_whole_steps: false });
+            return Ok(Solids {
+                half_spaces,
+                grounds,
+                extent,
+                rest: Some(shape.clone()),
+                map,
+                takes_whole_steps: false,
+            });
         }
         if rest.is_empty() {
             let map = named(half_spaces.clone(), "map", MAP);
@@ -145,7 +152,10 @@ impl<'t> Elaborator<'t> {
             (Arc::from("bounded"), Value::bool(corners.is_some())),
             (Arc::from("lo"), Value::Number(lo)),
             (Arc::from("hi"), Value::Number(hi)),
-            (Arc::from("steep"), Value::bool(solids.rest.is_some() && !solids.takes_whole_steps && slope.everywhere > 1.0)),
+            (
+                Arc::from("steep"),
+                Value::bool(solids.rest.is_some() && !solids.takes_whole_steps && slope.everywhere > 1.0),
+            ),
             (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),
             (Arc::from("exact"), Value::bool(is_exact)),

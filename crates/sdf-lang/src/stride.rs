@@ -39,7 +39,10 @@ impl<'t> Elaborator<'t> {
     /// certainly has no surface; where the field is steep the latter is the smaller one.
     pub fn approach(&mut self, shape: &Rc<Shape<'t>>, point: &Number, span: Span) -> Eval<Value<'t>> {
         let (seen, asked) = self.asking(|this| this.approach_here(shape, point, span))?;
-        if asked && let Value::Record(record) = &seen && let Some(Value::Number(distance)) = record.get("distance") {
+        if asked
+            && let Value::Record(record) = &seen
+            && let Some(Value::Number(distance)) = record.get("distance")
+        {
             self.count_evaluation(distance, point);
         }
         Ok(seen)

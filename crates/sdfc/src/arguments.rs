@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// The largest side of a picture, in pixels.
 const SIDE_LIMIT: u32 = 16_384;
+/// The longest time for which pictures are timed, in seconds.
+const HOUR: f64 = 3600.0;
 /// The most pixels of a picture.
 const PIXEL_LIMIT: u64 = 1 << 26;
 
@@ -198,7 +200,7 @@ pub struct ExplainArguments {
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
     pub device: Device,
     /// For about how long pictures are timed, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds, conflicts_with = "no_time", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
     pub budget: f64,
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]
@@ -424,6 +426,11 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn budget(text: &str) -> Result<f64, String> {
+    seconds(text)
+        .and_then(|t| if t <= HOUR { Ok(t) } else { Err(format!("at most an hour, {HOUR} seconds")) })
+}
+
 fn device(text: &str) -> Result<Device, String> {
     match text {
         "auto" => Ok(Device::Auto),
@@ -480,6 +487,14 @@ mod tests {
         assert_eq!(seconds("-0").map(f64::to_bits), Ok(0));
         for wrong in ["", "-1", "nan", "inf", "1e39", "two"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn budgets() {
+        assert_eq!((budget("0"), budget("3600")), (Ok(0.0), Ok(3600.0)));
+        for wrong in ["-1", "3601", "1e30", "inf", "ten"] {
+            assert!(budget(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -70,7 +70,8 @@ fn on_cpu(
     budget: Duration,
     progress: Progress,
 ) -> Result<Race, DrawError> {
-    let end = Instant::now() + budget;
+    let begin = Instant::now();
+    let end = begin + budget;
     let draw = |shader: &Shader, frame: &Frame| {
         let before = Watch::start();
         sdf_render::cpu::render(&shader.program, frame);
@@ -78,16 +79,16 @@ fn on_cpu(
     };
     let mut frame = frame.clone();
     loop {
-        let begin = Instant::now();
+        let start = Instant::now();
         draw(shaders[0], &frame)?;
-        let all = begin.elapsed() * (shaders.len() * ROUNDS[0]) as u32;
+        let all = start.elapsed() * (shaders.len() * ROUNDS[0]) as u32;
         if all <= end.saturating_duration_since(Instant::now()) || frame.width.min(frame.height) < 32 {
             break;
         }
         (frame.width, frame.height) = (frame.width / 2, frame.height / 2);
     }
     let ready: Vec<usize> = (0..shaders.len()).collect();
-    let laps = rounds(&ready, end, progress, |i| draw(shaders[i], &frame))?;
+    let laps = rounds(&ready, [begin, end], progress, |i| draw(shaders[i], &frame))?;
     Ok(told(laps, shaders.len(), "CPU".into(), fallback, Watch::CLOCK, &frame))
 }
 
@@ -116,12 +117,13 @@ fn on_gpu(
         // The driver compiles at the first picture.
         draw(&ready)?;
         prepared.push(Some(ready));
+        progress((begin.elapsed().as_secs_f64() / budget.as_secs_f64().max(1e-3)).min(1.0));
     }
     let is_ready = |i: &usize| prepared[*i].is_some();
     let ready: Vec<usize> = (0..shaders.len()).filter(is_ready).collect();
     let of = |i: usize| prepared[i].as_ref().expect("those that are ready were prepared");
     let has_clock = !gpu.name().software && of(0).time(PASSES).is_ok();
-    let laps = rounds(&ready, begin + budget, progress, |i| match has_clock {
+    let laps = rounds(&ready, [begin, begin + budget], progress, |i| match has_clock {
         true => of(i).time(PASSES).map_err(failed),
         false => {
             let watch = Watch::of(gpu.name().software);
@@ -142,14 +144,13 @@ fn on_gpu(_: &[&Shader], _: &Frame, _: &Device, _: Duration, _: Progress) -> Res
     Err(DrawError::Device("this build of sdfc cannot use graphics devices".into()))
 }
 
-/// The times of some contestants, by their numbers, round by round, until the end.
+/// The times of some contestants, by their numbers, round by round, until the end of the time that the race has.
 fn rounds(
     ready: &[usize],
-    end: Instant,
+    [begin, end]: [Instant; 2],
     progress: Progress,
     mut lap: impl FnMut(usize) -> Result<Duration, DrawError>,
 ) -> Result<Vec<(usize, Vec<f64>)>, DrawError> {
-    let begin = Instant::now();
     let mut laps: Vec<(usize, Vec<f64>)> = ready.iter().map(|i| (*i, Vec::new())).collect();
     for round in 0..ROUNDS[1] {
         if round >= ROUNDS[0] && Instant::now() >= end {
@@ -163,8 +164,7 @@ fn rounds(
         for place in order {
             let time = lap(ready[place])?;
             laps[place].1.push(time.as_secs_f64().max(1e-9));
-            let whole = end.saturating_duration_since(begin).as_secs_f64().max(1e-3);
-            progress((begin.elapsed().as_secs_f64() / whole).min(1.0));
+            progress((begin.elapsed().as_secs_f64() / (end - begin).as_secs_f64().max(1e-3)).min(1.0));
         }
     }
     Ok(laps)

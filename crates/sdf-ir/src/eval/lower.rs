@@ -87,8 +87,14 @@ impl Compiler<'_> {
             registers: 0,
             depth: 0,
         };
-        let mut lowering =
-            Lowering { next_register: inputs as u32, current: 0, straight: 0, evaluates: false, body, compiler: self };
+        let mut lowering = Lowering {
+            next_register: inputs as u32,
+            current: 0,
+            straight: 0,
+            evaluates: false,
+            body,
+            compiler: self,
+        };
         let registers: Vec<Operand> = (0..inputs as u32).map(Operand::Register).collect();
         let outputs = lowering.function(id, &registers);
         lowering.flush();

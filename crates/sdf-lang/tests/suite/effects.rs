@@ -141,7 +141,10 @@ fn each_effect_tells_why_it_is_in_or_out() {
         assert_eq!((found.is_in, found.reason.as_str()), (true, why), "{name}");
         let found = without.iter().find(|e| e.name == name && !e.is_in);
         assert_eq!(found.map_or("", |e| &e.reason), why_not, "{name}");
-        assert!(!without.iter().any(|e| e.name == name && e.is_in && e.subject.as_deref() == subject), "{name}");
+        assert!(
+            !without.iter().any(|e| e.name == name && e.is_in && e.subject.as_deref() == subject),
+            "{name}"
+        );
     }
 }
 
@@ -181,7 +184,8 @@ fn what_is_left_out_is_as_if_nothing_called_for_it() {
 
 #[test]
 fn without_step_correction_steps_are_as_long_as_fields_read() {
-    let text = "scene { box(1).twist(2), plane().at(0, -2, 0) } light a { direction: (1, 2, 3), shadow: soft(8) }";
+    let text =
+        "scene { box(1).twist(2), plane().at(0, -2, 0) } light a { direction: (1, 2, 3), shadow: soft(8) }";
     let whole = scene(text, &Options::default());
     let place = whole.effects.iter().position(|e| e.name == "step correction" && e.is_in).unwrap();
     let left = scene(text, &Options { left_out: vec![place], ..Options::default() });
@@ -191,12 +195,14 @@ fn without_step_correction_steps_are_as_long_as_fields_read() {
 
 #[test]
 fn several_are_left_out_together() {
-    let text = "let a = box(1).paint(material { glow: #fff }) let b = sphere(1).paint(material { glow: #f00 })
+    let text =
+        "let a = box(1).paint(material { glow: #fff }) let b = sphere(1).paint(material { glow: #f00 })
         let c = torus(1, 0.5).paint(material { glow: #0f0 }) scene { a, b.at(3, 0, 0), c.at(0, 3, 0) }";
     let whole = scene(text, &Options::default());
     let glows: Vec<usize> = (0..whole.effects.len()).filter(|i| whole.effects[*i].name == "glow").collect();
     let left = scene(text, &Options { left_out: glows[..2].to_vec(), ..Options::default() });
-    let only = "let a = box(1).paint(material { color: 0.8 }) let b = sphere(1).paint(material { color: 0.8 })
+    let only =
+        "let a = box(1).paint(material { color: 0.8 }) let b = sphere(1).paint(material { color: 0.8 })
         let c = torus(1, 0.5).paint(material { glow: #0f0 }) scene { a, b.at(3, 0, 0), c.at(0, 3, 0) }";
     assert_eq!(left.program.to_string(), scene(only, &Options::default()).program.to_string());
     assert_eq!(left.summary.effects, ["relaxation", "soft shadow", "glow"]);
@@ -219,7 +225,10 @@ fn params_tell_how_far_a_value_may_go_and_what_removes_it() {
         let set = e.removed_by.as_ref().map(|(name, value)| format!("{name}={value}"));
         (e.is_in, e.reason.as_str(), e.range, set.unwrap_or_default())
     };
-    assert_eq!(told("fog", None), (true, "`density` depends on `haze` and may reach 4", Some([0.0, 4.0]), "haze=0".into()));
+    assert_eq!(
+        told("fog", None),
+        (true, "`density` depends on `haze` and may reach 4", Some([0.0, 4.0]), "haze=0".into())
+    );
     let reason = "`occlusion` depends on `night` and may reach 1";
     assert_eq!(told("occlusion", None), (true, reason, Some([0.25, 1.0]), String::new()));
     let reason = "`color` depends on `tint` and may reach 0.5";
@@ -254,6 +263,14 @@ fn what_is_always_zero_calls_for_nothing() {
 }
 
 #[test]
+fn a_color_may_be_brighter_than_white() {
+    let made = effects("param c = (2, 0, 0) scene { box(1) } rim { color: max(c - 1, 0) }");
+    assert!(one(&made, "rim light", None).is_in);
+    let made = effects("param c = #fff scene { box(1) } rim { color: max(c - 1, 0) }");
+    assert_eq!(one(&made, "rim light", None).reason, "`color` is always 0");
+}
+
+#[test]
 fn a_shape_of_several_materials_glows_until_all_are_dark() {
     let text = |second: &str| {
         format!(
@@ -281,7 +298,9 @@ fn an_empty_scene_has_the_effects_of_its_sky() {
 
 #[test]
 fn places_are_those_of_the_settings() {
-    let text = format!("scene {{ box(1).twist(1).at(0, time, 0) }} {SUN}, shadow: soft(4) }} fog {{ density: 0.5 }}");
+    let text = format!(
+        "scene {{ box(1).twist(1).at(0, time, 0) }} {SUN}, shadow: soft(4) }} fog {{ density: 0.5 }}"
+    );
     let made = effects(&text);
     let written = |name, subject| {
         let span = one(&made, name, subject).span.unwrap();

@@ -65,7 +65,8 @@ fn effects_in(explanation: &Explanation) -> String {
         rest.time.map_or_else(|| missing(has_times), |share| percent(&share)),
     ];
     out += &row("everything else", &cells);
-    let text = "the scene without all of these but what is of the march: rays, normals, materials, plain light";
+    let text =
+        "the scene without all of these but what is of the march: rays, normals, materials, plain light";
     out += &hanging("    ", 4, text);
     out + &hanging(
         "",
@@ -164,7 +165,8 @@ fn shapes(explanation: &Explanation) -> String {
     dearest.sort_by(|a, b| shapes[*b].share.total_cmp(&shapes[*a].share).then(a.cmp(b)));
     let left = dearest.split_off(dearest.len().min(SHAPES));
     dearest.sort_unstable();
-    let mut out = format!("\n{:<NAME$}{:>7}{:>10}{:>12}{:>7}", "Shapes", "class", "slope", "operations", "share");
+    let mut out =
+        format!("\n{:<NAME$}{:>7}{:>10}{:>12}{:>7}", "Shapes", "class", "slope", "operations", "share");
     end(&mut out);
     for shape in dearest.into_iter().map(|i| &shapes[i]) {
         let name = format!("{}{}", "  ".repeat(shape.depth + 1), shape.name);
@@ -199,7 +201,9 @@ fn why(shape: &Shape) -> String {
         }
         (here, everywhere) => {
             let (here, everywhere) = (slope(here), slope(everywhere));
-            parts.push(format!("steps are divided by up to {here} in its box; elsewhere its slope is {everywhere}"));
+            parts.push(format!(
+                "steps are divided by up to {here} in its box; elsewhere its slope is {everywhere}"
+            ));
         }
     }
     for copies in &shape.copies {

@@ -108,7 +108,11 @@ fn left_out(effects: &[Effect]) -> Vec<Vec<usize>> {
     [all].into_iter().chain(places.into_iter().map(|place| vec![place])).collect()
 }
 
-fn show(explanation: &Explanation, arguments: &ExplainArguments, messages: &MessageArguments) -> Result<(), Failure> {
+fn show(
+    explanation: &Explanation,
+    arguments: &ExplainArguments,
+    messages: &MessageArguments,
+) -> Result<(), Failure> {
     if arguments.json {
         let json = serde_json::to_string(explanation).expect("strings and numbers can be written");
         return print(format!("{json}\n").as_bytes());

@@ -9,7 +9,7 @@ use crate::eval::{Elaborator, Eval};
 use crate::facts::{name_of, parts};
 use crate::solids::Solids;
 use crate::surface::Column;
-use crate::value::{Fields, Module, Number, Shape, ShapeKind, Value};
+use crate::value::{Fields, Module, Number, Shape, ShapeKind, Thunk, Value};
 use sdf_ir::{Program, Role};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{ExprKind, Record, SettingsKind};
@@ -39,8 +39,10 @@ pub struct Effect {
     pub can_be_left_out: bool,
     /// Whether it is about how rays march, and not about light.
     pub is_of_march: bool,
-    /// Which of its kind it is, in the record of the renderer.
-    index: usize,
+    /// How many lights or shapes it is of: those that one line calls for are one effect.
+    pub count: usize,
+    /// Which of its kind they are, in the record of the renderer.
+    places: Vec<usize>,
 }
 
 /// The record that the renderer takes, as far as it is made.
@@ -57,8 +59,8 @@ struct Row {
     /// What it is about.
     needs: Needs,
     find: for<'t> fn(&mut Elaborator<'t>, &Called<'_, 't>) -> Eval<Vec<Found>>,
-    /// Leaves out the one of this index; nothing where that cannot be.
-    leave_out: Option<for<'t> fn(&mut Elaborator<'t>, &mut Called<'_, 't>, usize)>,
+    /// Leaves out those at these places of the record; nothing where that cannot be.
+    leave_out: Option<for<'t> fn(&mut Elaborator<'t>, &mut Called<'_, 't>, &[usize])>,
 }
 
 /// What an effect is about.
@@ -74,7 +76,7 @@ enum Needs {
 
 /// What calls for an effect, or why nothing does.
 enum Found {
-    In { subject: Option<String>, cause: Cause, removed_by: Option<(String, String)>, index: usize },
+    In { subject: Option<String>, cause: Cause, removed_by: Option<(String, String)>, places: Vec<usize> },
     Out { subject: Option<String>, reason: String, span: Option<Span> },
 }
 
@@ -99,14 +101,14 @@ const EFFECTS: [Row; 13] = [
         is_listed: true,
         needs: Needs::Surfaces,
         find: |e, called| shadows(e, called, true),
-        leave_out: Some(|_, called, index| called.set_light(index, "casts", false)),
+        leave_out: Some(|_, called, places| called.set_lights(places, "casts", false)),
     },
     Row {
         name: "hard shadow",
         is_listed: true,
         needs: Needs::Surfaces,
         find: |e, called| shadows(e, called, false),
-        leave_out: Some(|_, called, index| called.set_light(index, "casts", false)),
+        leave_out: Some(|_, called, places| called.set_lights(places, "casts", false)),
     },
     Row {
         name: "occlusion",
@@ -123,7 +125,7 @@ const EFFECTS: [Row; 13] = [
         is_listed: true,
         needs: Needs::Surfaces,
         find: |e, _| Ok(by_column(e, Column::Glow, "no shape of the scene glows")),
-        leave_out: Some(|_, called, index| called.remove("glows", index)),
+        leave_out: Some(|_, called, places| called.remove("glows", places)),
     },
     Row {
         name: "rim light",
@@ -223,7 +225,7 @@ impl<'t> Elaborator<'t> {
         for effect in places.iter().rev().filter_map(|place| effects.get(*place)).filter(|e| e.is_in) {
             let row = EFFECTS.iter().find(|row| row.name == effect.name);
             if let Some(leave_out) = row.and_then(|row| row.leave_out) {
-                leave_out(self, called, effect.index);
+                leave_out(self, called, &effect.places);
             }
         }
     }
@@ -258,12 +260,24 @@ fn subject_of(shape: &Shape<'_>) -> String {
     match &shape.kind {
         ShapeKind::Painted { shape, .. } => subject_of(shape),
         ShapeKind::Field { origin: Some(origin), .. } if !origin.module.is_user() => {
-            match &parts(shape)[..] {
+            let mut parts: Vec<Rc<Shape>> = parts(shape).iter().map(behind_name).collect();
+            parts.dedup_by(|a, b| Rc::ptr_eq(a, b));
+            match &parts[..] {
                 [only] => subject_of(only),
                 _ => name_of(shape),
             }
         }
         _ => name_of(shape),
+    }
+}
+
+/// The shape that the compiler has given a name and that is painted, by itself.
+fn behind_name<'t>(shape: &Rc<Shape<'t>>) -> Rc<Shape<'t>> {
+    match &shape.kind {
+        ShapeKind::Named { thunk: Thunk::Fixed(_), inner, .. } | ShapeKind::Painted { shape: inner, .. } => {
+            behind_name(inner)
+        }
+        _ => shape.clone(),
     }
 }
 
@@ -291,7 +305,7 @@ pub(crate) fn settle_inputs(effects: &mut [Effect], program: &Program) {
 fn effect(row: &Row, found: Found) -> Effect {
     let (can_be_left_out, is_of_march) = (row.leave_out.is_some(), row.needs == Needs::Rays);
     match found {
-        Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, index } => {
+        Found::In { subject, cause: Cause { words, span, depends_on, range, .. }, removed_by, places } => {
             Effect {
                 name: row.name,
                 subject,
@@ -303,7 +317,8 @@ fn effect(row: &Row, found: Found) -> Effect {
                 removed_by,
                 can_be_left_out,
                 is_of_march,
-                index,
+                count: places.len(),
+                places,
             }
         }
         Found::Out { subject, reason, span } => Effect {
@@ -317,7 +332,8 @@ fn effect(row: &Row, found: Found) -> Effect {
             removed_by: None,
             can_be_left_out,
             is_of_march,
-            index: 0,
+            count: 0,
+            places: Vec::new(),
         },
     }
 }
@@ -330,7 +346,7 @@ fn out(reason: impl Into<String>, span: Option<Span>) -> Found {
 fn always(words: impl Into<String>, span: Option<Span>) -> Found {
     let cause =
         Cause { words: words.into(), span, depends_on: Vec::new(), range: None, zeroed_by: Vec::new() };
-    Found::In { subject: None, cause, removed_by: None, index: 0 }
+    Found::In { subject: None, cause, removed_by: None, places: vec![0] }
 }
 
 // ---- how each is found
@@ -409,7 +425,8 @@ fn shadows<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>, soft: bool) -> E
         let light = e.cause("intensity", color, span);
         // Whether it casts a shadow is static; whether it gives light may not be.
         let cause = Cause { words: format!("`shadow` is `{kind}`"), ..light };
-        found.push(Found::In { subject, removed_by: cause.zeroed_by.first().cloned(), cause, index });
+        let removed_by = cause.zeroed_by.first().cloned();
+        found.push(Found::In { subject, removed_by, cause, places: vec![index] });
     }
     if found.is_empty() {
         let reason = match lights.items.is_empty() {
@@ -468,7 +485,7 @@ fn by_setting<'t>(
         return Ok(vec![out("nothing calls for it", None)]);
     }
     let removed_by = causes.iter().flat_map(|cause| cause.zeroed_by.first()).next().cloned();
-    Ok(vec![Found::In { subject: None, cause: causes.remove(0), removed_by, index: 0 }])
+    Ok(vec![Found::In { subject: None, cause: causes.remove(0), removed_by, places: vec![0] }])
 }
 
 /// An effect that a setting switches; the words say what it is if it is in, and if not.
@@ -486,22 +503,47 @@ fn by_word(
     }
 }
 
-/// An effect that the materials of shapes call for, one for each part of the scene.
+/// An effect that the materials of shapes call for: one for all parts of the scene of one name for which one line does.
 fn by_column(e: &mut Elaborator<'_>, column: Column, otherwise: &str) -> Vec<Found> {
-    let mut found = Vec::new();
-    for (name, causes) in &e.parts_called {
-        let own: Vec<&Cause> = causes.iter().filter(|(c, _)| *c == column).map(|(_, cause)| cause).collect();
-        let Some(first) = own.first() else { continue };
-        // Each of its materials must be without it.
-        let removes = |set: &&(String, String)| own.iter().all(|cause| cause.zeroed_by.contains(set));
-        let removed_by = first.zeroed_by.iter().find(removes).cloned();
-        let index = found.len();
-        found.push(Found::In { subject: Some(name.clone()), cause: (*first).clone(), removed_by, index });
+    let mut groups: Vec<Group> = Vec::new();
+    let of_column = |(name, causes): &(String, Vec<(Column, Cause)>)| {
+        let own = causes.iter().filter(|(c, _)| *c == column).map(|(_, cause)| cause.clone());
+        let own: Vec<Cause> = own.collect();
+        (!own.is_empty()).then(|| (name.clone(), own))
+    };
+    for (place, (name, causes)) in e.parts_called.iter().filter_map(of_column).enumerate() {
+        match groups.iter_mut().find(|g| g.name == name && g.causes[0].span == causes[0].span) {
+            Some(group) => {
+                group.places.push(place);
+                group.causes.extend(causes);
+            }
+            None => groups.push(Group { name, causes, places: vec![place] }),
+        }
     }
-    if found.is_empty() {
-        found.push(out(otherwise, None));
+    if groups.is_empty() {
+        return vec![out(otherwise, None)];
     }
-    found
+    groups.into_iter().map(Group::found).collect()
+}
+
+/// Parts of a scene of one name, and what calls for an effect of each.
+struct Group {
+    name: String,
+    causes: Vec<Cause>,
+    places: Vec<usize>,
+}
+
+impl Group {
+    fn found(self) -> Found {
+        // Each of the materials must be without it.
+        let removes = |set: &&(String, String)| self.causes.iter().all(|cause| cause.zeroed_by.contains(set));
+        let removed_by = self.causes[0].zeroed_by.iter().find(removes).cloned();
+        // The words are about the first of the values that may go farthest.
+        let size = |cause: &Cause| cause.range.map_or(f64::INFINITY, |[lo, hi]| hi.max(-lo));
+        let farthest = self.causes.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
+        let cause = farthest.unwrap_or(&self.causes[0]).clone();
+        Found::In { subject: Some(self.name), cause, removed_by, places: self.places }
+    }
 }
 
 /// An input that the user's files read.
@@ -540,22 +582,22 @@ impl<'t> Called<'_, 't> {
         self.replace(block, |record| with_flag(record, flag, is));
     }
 
-    fn set_light(&mut self, index: usize, flag: &str, is: bool) {
+    fn set_lights(&mut self, places: &[usize], flag: &str, is: bool) {
         self.replace("lights", |lights| {
             let Value::List(list) = lights else { unreachable!("lights are a list") };
             let lights = list.items.iter().enumerate();
             let changed = |(i, light): (usize, &Value<'t>)| {
-                if i == index { with_flag(light, flag, is) } else { light.clone() }
+                if places.contains(&i) { with_flag(light, flag, is) } else { light.clone() }
             };
             Value::list(lights.map(changed).collect())
         });
     }
 
-    /// Takes an element out of a list.
-    fn remove(&mut self, list: &str, index: usize) {
+    /// Takes elements out of a list.
+    fn remove(&mut self, list: &str, places: &[usize]) {
         self.replace(list, |value| {
             let Value::List(list) = value else { unreachable!("it is a list") };
-            let others = list.items.iter().enumerate().filter(|(i, _)| *i != index);
+            let others = list.items.iter().enumerate().filter(|(i, _)| !places.contains(i));
             Value::list(others.map(|(_, value)| value.clone()).collect())
         });
     }

@@ -76,7 +76,11 @@ fn check_page(page: &str, json: &Value) {
     contains(&of(&json["evaluations"]));
     for effect in effects(json) {
         let name = match effect["subject"].as_str() {
-            Some(subject) => format!("{} of `{subject}`", effect["name"].as_str().unwrap()),
+            Some(subject) => {
+                let count = effect["count"].as_u64().filter(|count| *count > 1);
+                let count = count.map_or(String::new(), |count| format!("{count} "));
+                format!("{} of {count}`{subject}`", effect["name"].as_str().unwrap())
+            }
             None => effect["name"].as_str().unwrap().to_string(),
         };
         let place = match &effect["place"] {

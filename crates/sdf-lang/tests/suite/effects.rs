@@ -194,6 +194,20 @@ fn without_step_correction_steps_are_as_long_as_fields_read() {
 }
 
 #[test]
+fn what_one_line_calls_for_is_one_effect() {
+    let text = "param k = 1 in 0..2
+        scene { for i in 0..4 { sphere(0.3).at(i, 0, 0).paint(material { glow: k * i * (1, 1, 1) }) }, box(1) }";
+    let whole = scene(text, &Options::default());
+    let glow = one(&whole.effects, "glow", Some("sphere"));
+    // The first of them is dark.
+    assert_eq!((glow.count, glow.reason.as_str()), (3, "`glow` depends on `k` and may reach 6"));
+    assert_eq!(glow.removed_by, Some(("k".into(), "0".into())));
+    let place = whole.effects.iter().position(|e| e.name == "glow").unwrap();
+    let left = scene(text, &Options { left_out: vec![place], ..Options::default() });
+    assert!(left.program.function_named("glow").is_none() && whole.program.function_named("glow").is_some());
+}
+
+#[test]
 fn several_are_left_out_together() {
     let text =
         "let a = box(1).paint(material { glow: #fff }) let b = sphere(1).paint(material { glow: #f00 })

@@ -53,6 +53,8 @@ pub struct Explained {
     pub name: &'static str,
     /// The light or the shape whose it is, where there may be several.
     pub subject: Option<String>,
+    /// How many lights or shapes it is of.
+    pub count: usize,
     #[serde(rename = "in")]
     pub is_in: bool,
     /// What calls for it, or why nothing does.
@@ -194,6 +196,7 @@ impl Explained {
         Explained {
             name: effect.name,
             subject: effect.subject.clone(),
+            count: effect.count,
             is_in: effect.is_in,
             reason: effect.reason.clone(),
             place: effect.span.map(|span| Place::of(sources, span)),

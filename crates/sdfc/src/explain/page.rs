@@ -1,7 +1,7 @@
 //! What there is to say of a scene, for people at a terminal.
 
 use crate::doc::hanging;
-use crate::explain::explanation::{Box, Explained, Explanation, Place, Price, Shape, Share};
+use crate::explain::explanation::{Box, Explained, Explanation, Place, Price, Repeated, Shape, Share};
 use crate::terminal::{GREEN, RESET};
 
 /// How many characters a name has room for before its numbers.
@@ -51,11 +51,10 @@ fn effects_in(explanation: &Explanation) -> String {
     let mut out = format!("\n{:<NAME$}{:>14}{:>10}{time:>24}", "In the program", "evaluations", "at most");
     end(&mut out);
     for effect in explanation.effects.iter().filter(|effect| effect.is_in) {
-        let name = match &effect.subject {
-            Some(subject) => format!("{} of `{subject}`", effect.name),
-            None => effect.name.to_string(),
-        };
-        out += &row(&name, &effect.price.as_ref().map_or_else(cells_of_nothing, |p| cells(p, has_times)));
+        out += &row(
+            &title(effect),
+            &effect.price.as_ref().map_or_else(cells_of_nothing, |p| cells(p, has_times)),
+        );
         out += &reason(effect);
     }
     let rest = &explanation.rest;
@@ -73,6 +72,15 @@ fn effects_in(explanation: &Explanation) -> String {
         0,
         "What an effect takes is the difference to the scene without it; what several share is part of none, or of each.",
     )
+}
+
+/// What an effect is called, and whose it is.
+fn title(effect: &Explained) -> String {
+    match (&effect.subject, effect.count) {
+        (None, _) => effect.name.to_string(),
+        (Some(subject), 0 | 1) => format!("{} of `{subject}`", effect.name),
+        (Some(subject), count) => format!("{} of {count} `{subject}`", effect.name),
+    }
 }
 
 /// A name and three columns of numbers.
@@ -147,13 +155,9 @@ fn effects_out(explanation: &Explanation) -> String {
     if out.is_empty() {
         return String::new();
     }
-    let name = |effect: &Explained| match &effect.subject {
-        Some(subject) => format!("{} of `{subject}`", effect.name),
-        None => effect.name.to_string(),
-    };
-    let width = out.iter().map(|effect| name(effect).chars().count()).max().unwrap_or(0).min(NAME);
+    let width = out.iter().map(|effect| title(effect).chars().count()).max().unwrap_or(0).min(NAME);
     let lines = out.into_iter().map(|effect| {
-        let heading = format!("  {GREEN}{:<width$}{RESET}  ", name(effect));
+        let heading = format!("  {GREEN}{:<width$}{RESET}  ", title(effect));
         hanging(&heading, width + 4, &placed(effect.place.as_ref(), &effect.reason))
     });
     format!("\nNot in it\n{}", lines.collect::<String>())
@@ -206,10 +210,14 @@ fn why(shape: &Shape) -> String {
             ));
         }
     }
-    for copies in &shape.copies {
+    let asked = |copies: &Repeated| {
         let of = copies.of.map_or(String::new(), |of| format!(" of {}", short(of)));
         let word = if copies.asked == 1.0 && copies.of.is_none() { "copy" } else { "copies" };
-        parts.push(format!("each point asks {}{of} {word} {}", short(copies.asked), copies.direction));
+        format!("{}{of} {word} {}", short(copies.asked), copies.direction)
+    };
+    if !shape.copies.is_empty() {
+        let each: Vec<String> = shape.copies.iter().map(asked).collect();
+        parts.push(format!("each point asks {}", each.join(" and ")));
     }
     if !shape.depends_on.is_empty() {
         parts.push(format!("changes with {}", shape.depends_on.join(", ")));

@@ -3,6 +3,7 @@
 use crate::context::{Contexts, Op};
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
+use crate::evaluations::is_of_renderer;
 use crate::library;
 use crate::outline;
 use crate::value::{Callable, Candidate, Env, Module, Number, Origin, Shape, ShapeKind, Thunk, Value};
@@ -175,6 +176,9 @@ impl<'t> Elaborator<'t> {
                     self.check_size(&Value::Shape(shape.clone()), span)?;
                 }
                 let point = self.point_argument(&shape, given, span)?;
+                if is_of_renderer(&shape) {
+                    return self.sample(&shape, &point, span).map(Value::Number);
+                }
                 let (distance, asked) = self.asking(|this| this.sample(&shape, &point, span))?;
                 if asked {
                     self.count_evaluation(&distance, &point);

@@ -7,6 +7,7 @@ use crate::causes::Cause;
 use crate::errors::short;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::{name_of, parts};
+use crate::scene::is_antialiased;
 use crate::solids::Solids;
 use crate::surface::Column;
 use crate::value::{Fields, Module, Number, Shape, ShapeKind, Thunk, Value};
@@ -81,7 +82,7 @@ enum Found {
 }
 
 /// All effects; the head of a text lists them in this order.
-const EFFECTS: [Row; 13] = [
+const EFFECTS: [Row; 19] = [
     Row {
         name: "relaxation",
         is_listed: true,
@@ -114,10 +115,7 @@ const EFFECTS: [Row; 13] = [
         name: "occlusion",
         is_listed: true,
         needs: Needs::Surfaces,
-        find: |e, called| {
-            let flag = ("ambient", "occluded");
-            by_setting(e, called, flag, SettingsKind::Ambient, &["occlusion", "color"])
-        },
+        find: occlusion,
         leave_out: Some(|_, called, _| called.set("ambient", "occluded", false)),
     },
     Row {
@@ -126,6 +124,31 @@ const EFFECTS: [Row; 13] = [
         needs: Needs::Surfaces,
         find: |e, _| Ok(by_column(e, Column::Glow, "no shape of the scene glows")),
         leave_out: Some(|_, called, places| called.remove("glows", places)),
+    },
+    Row {
+        name: "reflection",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: reflection,
+        leave_out: Some(|e, called, _| {
+            e.unseen_columns.insert(Column::Reflect);
+            called.set_flag("reflects", false);
+            // What the scene's own shading asks for is the sky.
+            called.set_number("render", "bounces", if called.flag("transmits") { None } else { Some(0.0) });
+        }),
+    },
+    Row {
+        name: "transmission",
+        is_listed: true,
+        needs: Needs::Surfaces,
+        find: |e, called| {
+            let found = together(e, Column::Transmit, "no shape of the scene lets light through");
+            Ok(vec![bounced(e, called.flag("transmits"), found)])
+        },
+        leave_out: Some(|e, called, _| {
+            e.unseen_columns.insert(Column::Transmit);
+            called.set_flag("transmits", false);
+        }),
     },
     Row {
         name: "rim light",
@@ -155,13 +178,66 @@ const EFFECTS: [Row; 13] = [
         leave_out: Some(|_, called, _| called.set("render", "aces", false)),
     },
     Row {
+        name: "antialiasing",
+        is_listed: true,
+        needs: Needs::Nothing,
+        find: |e, called| {
+            let is_in = called.field("render").is_some_and(is_antialiased);
+            let words = ["`antialias` is more than 1", "`antialias` is 1"];
+            Ok(vec![by_word(e, is_in, (SettingsKind::Render, "antialias"), words)])
+        },
+        leave_out: Some(|_, called, _| {
+            called.set_number("render", "antialias", Some(1.0));
+            called.set_flag("patterned", false);
+            called.set_flag("sky_is_patterned", false);
+        }),
+    },
+    Row {
         name: "emission",
         is_listed: false,
         needs: Needs::Surfaces,
-        find: |e, _| Ok(by_column(e, Column::Emission, "no surface of the scene gives light by itself")),
+        find: |e, _| Ok(vec![together(e, Column::Emission, "no surface of the scene gives light by itself")]),
         leave_out: Some(|e, _, _| {
             e.unseen_columns.insert(Column::Emission);
         }),
+    },
+    Row {
+        name: "own shading",
+        is_listed: false,
+        needs: Needs::Surfaces,
+        find: |e, _| {
+            let own = e.own_shading().map(|function| function.name.span);
+            Ok(vec![match own {
+                Some(span) => always("the file has a `fn shade(surface)`", Some(span)),
+                None => out("the file has no `fn shade(surface)`", None),
+            }])
+        },
+        leave_out: Some(|_, called, _| called.set_flag("shaded", false)),
+    },
+    Row {
+        name: "sampled normals",
+        is_listed: false,
+        needs: Needs::Surfaces,
+        find: |e, called| {
+            let is_in = ["central", "tetrahedron"].iter().any(|kind| called.is("render", kind));
+            let words = ["`normals` is not `exact`", "`normals` is `exact`"];
+            Ok(vec![by_word(e, is_in, (SettingsKind::Render, "normals"), words)])
+        },
+        leave_out: Some(|_, called, _| {
+            called.set("render", "central", false);
+            called.set("render", "tetrahedron", false);
+        }),
+    },
+    Row {
+        name: "parallel rays",
+        is_listed: false,
+        needs: Needs::Nothing,
+        find: |e, called| {
+            let words = ["`projection` is `orthographic`", "`projection` is `perspective`"];
+            let is_in = called.is("camera", "parallel");
+            Ok(vec![by_word(e, is_in, (SettingsKind::Camera, "projection"), words)])
+        },
+        leave_out: None,
     },
     Row {
         name: "orbit",
@@ -191,6 +267,9 @@ const EFFECTS: [Row; 13] = [
 
 /// A slope from which on there is no use in telling it.
 const ENDLESS: f64 = 1e6;
+
+/// Why the scene's own shading is without something.
+const NOT_CALLED: &str = "the scene's own shading does not call for it";
 
 /// The inputs that a scene reads by these names.
 const TIME: &str = "time";
@@ -242,7 +321,7 @@ impl<'t> Elaborator<'t> {
     /// Notes what calls for a property of the materials that are being looked at.
     pub fn note_column(&mut self, column: Column, value: &Number, span: Option<Span>) {
         // The others are part of light that is there anyway.
-        if matches!(column, Column::Glow | Column::Emission) {
+        if matches!(column, Column::Glow | Column::Emission | Column::Reflect | Column::Transmit) {
             let cause = self.cause(column.name(), value, span);
             self.column_causes.push((column, cause));
         }
@@ -401,25 +480,31 @@ fn shadows<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>, soft: bool) -> E
     let kind = if soft { "soft" } else { "hard" };
     let mut found = Vec::new();
     if e.names.user.lights.is_empty() {
-        if lights.items.first().is_some_and(|light| casts(light, soft)) {
-            found.push(always("no light is declared, and the default one casts it", None));
+        match lights.items.first() {
+            Some(light) if casts(light, soft) => {
+                found.push(always("no light is declared, and the default one casts it", None));
+            }
+            Some(light) if soft => found.push(out(why_none(e, light), None)),
+            _ => {}
         }
     }
     let mut lit = lights.items.iter().enumerate();
     for (name, record) in e.names.user.lights.clone() {
         let span = field_of(record, "shadow");
         let subject = Some(name.text.to_string());
-        if e.dark_lights.contains(&name.text) {
-            if asks_for(record, kind) {
-                let reason = "it gives no light: its `intensity` or its `color` is 0".to_string();
-                found.push(Found::Out { subject, reason, span });
+        let shines = e.light_names.iter().any(|(other, shines)| *other == name.text && *shines);
+        let light = if shines { lit.next() } else { None };
+        let (index, light) = match light {
+            Some((index, light)) if casts(light, soft) => (index, light),
+            _ => {
+                if asks_for(record, kind) {
+                    let dark = "it gives no light: its `intensity` or its `color` is 0".to_string();
+                    let reason = light.map_or(dark, |(_, light)| why_none(e, light));
+                    found.push(Found::Out { subject, reason, span });
+                }
+                continue;
             }
-            continue;
-        }
-        let Some((index, light)) = lit.next() else { break };
-        if !casts(light, soft) {
-            continue;
-        }
+        };
         let Value::Record(fields) = light else { unreachable!("a light is a record") };
         let Some(Value::Number(color)) = fields.get("color") else { unreachable!("a light has a colour") };
         let light = e.cause("intensity", color, span);
@@ -436,6 +521,46 @@ fn shadows<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>, soft: bool) -> E
         found.push(out(reason, None));
     }
     Ok(found)
+}
+
+/// Why a light casts no shadow that it asks for.
+fn why_none(e: &Elaborator<'_>, light: &Value<'_>) -> String {
+    let Value::Record(light) = light else { unreachable!("a light is a record") };
+    match light.get("unshadowed").is_some_and(Value::is_true) {
+        true => "nothing can fall into it".to_string(),
+        false if e.own_shading().is_some() => NOT_CALLED.to_string(),
+        false => "nothing calls for it".to_string(),
+    }
+}
+
+/// Occlusion, which the scene's own shading asks for by calling it.
+fn occlusion<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
+    // Who calls it gets it, whatever the colour round about is.
+    let settings: &[&str] = if e.own_shading().is_some() { &["occlusion"] } else { &["occlusion", "color"] };
+    by_setting(e, called, ("ambient", "occluded"), SettingsKind::Ambient, settings)
+}
+
+/// Reflection: by the materials, or by the scene's own shading.
+fn reflection<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
+    if let Some(function) = e.own_shading() {
+        let span = Some(function.name.span);
+        return Ok(vec![match called.flag("mirrors_by_call") {
+            true => always("the scene's own shading calls `reflection()`", span),
+            false => out(NOT_CALLED, span),
+        }]);
+    }
+    let found = together(e, Column::Reflect, "no shape of the scene reflects");
+    Ok(vec![bounced(e, called.flag("reflects"), found)])
+}
+
+/// What the materials call for, unless rays are not to go on.
+fn bounced(e: &Elaborator<'_>, is_in: bool, found: Found) -> Found {
+    match found {
+        Found::In { .. } if !is_in => {
+            out("`bounces` is 0", e.span_of_setting(SettingsKind::Render, "bounces"))
+        }
+        found => found,
+    }
 }
 
 /// Whether a light casts shadows of this kind.
@@ -482,7 +607,8 @@ fn by_setting<'t>(
         causes.push(e.cause(name, value, span));
     }
     if !called.is(block, flag) {
-        return Ok(vec![out("nothing calls for it", None)]);
+        let reason = if e.own_shading().is_some() { NOT_CALLED } else { "nothing calls for it" };
+        return Ok(vec![out(reason, None)]);
     }
     let removed_by = causes.iter().flat_map(|cause| cause.zeroed_by.first()).next().cloned();
     Ok(vec![Found::In { subject: None, cause: causes.remove(0), removed_by, places: vec![0] }])
@@ -524,6 +650,19 @@ fn by_column(e: &mut Elaborator<'_>, column: Column, otherwise: &str) -> Vec<Fou
         return vec![out(otherwise, None)];
     }
     groups.into_iter().map(Group::found).collect()
+}
+
+/// The same as one effect, for what is in or out for the scene as a whole.
+fn together(e: &Elaborator<'_>, column: Column, otherwise: &str) -> Found {
+    let all = e.parts_called.iter().flat_map(|(_, causes)| causes);
+    let causes: Vec<Cause> = all.filter(|(c, _)| *c == column).map(|(_, cause)| cause.clone()).collect();
+    if causes.is_empty() {
+        return out(otherwise, None);
+    }
+    match (Group { name: String::new(), causes, places: vec![0] }).found() {
+        Found::In { cause, removed_by, places, .. } => Found::In { subject: None, cause, removed_by, places },
+        found => found,
+    }
 }
 
 /// Parts of a scene of one name, and what calls for an effect of each.
@@ -572,6 +711,26 @@ impl<'t> Called<'_, 't> {
         self.record(block).and_then(|record| record.get(flag)).is_some_and(Value::is_true)
     }
 
+    /// A truth value of the record itself.
+    pub fn flag(&self, name: &str) -> bool {
+        self.field(name).is_some_and(Value::is_true)
+    }
+
+    fn set_flag(&mut self, name: &str, is: bool) {
+        self.replace(name, |_| Value::bool(is));
+        if matches!(name, "reflects" | "transmits") {
+            let goes_on = self.flag("reflects") || self.flag("transmits");
+            self.replace("goes_on", |_| Value::bool(goes_on));
+        }
+    }
+
+    /// Sets a number of a block, if there is one to set.
+    fn set_number(&mut self, block: &str, name: &str, number: Option<f64>) {
+        if let Some(number) = number {
+            self.replace(block, |record| with(record, name, &Value::float(number)));
+        }
+    }
+
     fn replace(&mut self, name: &str, change: impl FnOnce(&Value<'t>) -> Value<'t>) {
         if let Some((_, value)) = self.fields.iter_mut().find(|(other, _)| &**other == name) {
             *value = change(value);
@@ -612,10 +771,15 @@ impl<'t> Called<'_, 't> {
 
 /// The record with another truth value.
 fn with_flag<'t>(record: &Value<'t>, flag: &str, is: bool) -> Value<'t> {
+    with(record, flag, &Value::bool(is))
+}
+
+/// The record with another value.
+fn with<'t>(record: &Value<'t>, name: &str, value: &Value<'t>) -> Value<'t> {
     let Value::Record(record) = record else { unreachable!("it is a record") };
-    let fields = record.fields.iter().map(|(name, value)| {
-        let value = if &**name == flag { Value::bool(is) } else { value.clone() };
-        (name.clone(), value)
+    let fields = record.fields.iter().map(|(other, old)| {
+        let value = if &**other == name { value.clone() } else { old.clone() };
+        (other.clone(), value)
     });
     Value::record(fields.collect())
 }

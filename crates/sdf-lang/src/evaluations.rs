@@ -5,7 +5,7 @@
 //! What a field samples in its turn does not count. Nor do half spaces of which a ray is only told where it crosses them.
 
 use crate::eval::{Elaborator, Eval};
-use crate::value::{Number, Shape, ShapeKind, Thunk};
+use crate::value::{Module, Number, Shape, ShapeKind, Thunk};
 use sdf_ir::{FunctionId, Node};
 use std::rc::Rc;
 
@@ -66,4 +66,9 @@ impl<'t> Elaborator<'t> {
             _ => self.is_half_space(shape),
         }
     }
+}
+
+/// Whether a field is one that the renderer makes from others: those that it samples count, each by itself.
+pub(crate) fn is_of_renderer(shape: &Shape<'_>) -> bool {
+    matches!(&shape.kind, ShapeKind::Field { origin: Some(origin), .. } if origin.module == Module::Runtime)
 }

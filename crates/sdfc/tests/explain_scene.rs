@@ -169,6 +169,8 @@ fn what_is_said_to_remove_an_effect_removes_it() {
             "occlusion shade=0",
             "glow shine=0",
             "glow shine=0",
+            "reflection polish=0",
+            "transmission polish=0",
             "rim light edge=#000000",
             "fog haze=0",
             "emission shine=0",
@@ -194,15 +196,28 @@ fn figures_are_those_that_are_counted_by_hand() {
     // One normal, and six places above it.
     let occluded = figures(&format!("{dim} ambient {{ occlusion: 1 }}"), "occlusion");
     assert_eq!(occluded, [7.0, 7.0, 6.0, 6.0]);
+    // Differences along three axes, in the place of one gradient.
+    let sampled = figures(&format!("{dim} render {{ normals: central }}"), "sampled normals");
+    assert_eq!(sampled, [6.0, 6.0, 5.0, 5.0]);
     // Fog, rims and curves look at no distance.
     assert_eq!(figures(&format!("{dim} fog {{ density: 1 }}"), "fog"), [1.0, 1.0, 0.0, 0.0]);
     assert_eq!(figures(&format!("{dim} rim {{ color: 1 }}"), "rim light"), [1.0, 1.0, 0.0, 0.0]);
-    // A ray to the sun crosses half spaces where a division says.
-    let hard = figures("light sun { direction: (0, 1, 0), shadow: hard }", "hard shadow");
-    assert_eq!(hard, [1.0, 1.0, 0.0, 0.0]);
+    // Out of the picture there is something that could throw a shadow. A ray to the sun looks once whether it is there where
+    // the ray has no part of its box, and could look 256 times more.
+    let beside = |shadow: &str| {
+        let items = format!(
+            "camera {{ eye: (0, 5, 0), target: (0, 0, 0), up: (0, 0, -1), fov: 30deg }}
+            scene {{ plane(), torus(1, 0.3).at(20, 0.5, 0) }}
+            light sun {{ direction: (0, 1, 0), shadow: {shadow} }}"
+        );
+        let json = Scene::new(&items).json(&[]);
+        let name = if shadow == "hard" { "hard shadow" } else { "soft shadow" };
+        let price = &priced(&json, name)["price"]["evaluations"];
+        (price["mean"].as_f64().unwrap(), price["most"].as_u64().unwrap())
+    };
+    assert_eq!(beside("hard"), (1.0, 1 + 256));
     // Straight up from a floor the distance is the height, so each step doubles it, from twice the tolerance to `far`: that
     // is 2 * 0.1 pixels of 2 * 5 * tan(15°) / 16, in the middle of the picture, and up to 1.1 times that in its corners.
-    let soft = figures("light sun { direction: (0, 1, 0), shadow: soft(8) }", "soft shadow");
     let begin = 0.2 * 2.0 * 5.0 * 15f64.to_radians().tan() / 16.0;
     // It starts at `begin` above the floor, looks from `begin` further on, and ends beyond 100.
     let steps = |begin: f64| {
@@ -213,7 +228,7 @@ fn figures_are_those_that_are_counted_by_hand() {
         steps
     };
     assert_eq!((steps(begin), steps(1.1 * begin)), (11.0, 11.0), "all pixels take the same");
-    assert_eq!(soft, [1.0 + 11.0, 1.0 + 256.0, 11.0, 256.0]);
+    assert_eq!(beside("soft(8)"), (11.0, 256));
     // Within a glow a place is looked at every quarter of its width: at the eye, 3 below it, and at the floor.
     let glow = "let lamp = plane().at(0, -1, 0).paint(material { glow: 1, glow_radius: 12 })";
     let json = Scene::new(&format!(

@@ -56,8 +56,8 @@ fn pairs() -> Vec<Pair> {
         pair(
             "hard shadow",
             Some("b"),
-            "scene { box(1) } light a { position: (1, 2, 3), shadow: hard } light b { position: (3, 2, 1), shadow: hard }",
-            "scene { box(1) } light a { position: (1, 2, 3), shadow: hard } light b { position: (3, 2, 1) }",
+            "scene { torus(1, 0.3) } light a { position: (1, 2, 3), shadow: hard } light b { position: (3, 2, 1), shadow: hard }",
+            "scene { torus(1, 0.3) } light a { position: (1, 2, 3), shadow: hard } light b { position: (3, 2, 1) }",
             ["`shadow` is `hard`", ""],
         ),
         pair(
@@ -96,8 +96,50 @@ fn pairs() -> Vec<Pair> {
             ["`tonemap` is `aces`", "`tonemap` is `none` by default"],
         ),
         pair(
+            "reflection",
+            None,
+            "scene { box(1).paint(material { color: #f00, reflect: 0.5 }) }",
+            "scene { box(1).paint(material { color: #f00 }) }",
+            ["`reflect` is 0.5", "no shape of the scene reflects"],
+        ),
+        pair(
+            "transmission",
+            None,
+            "scene { box(1).paint(material { color: #f00, transmit: 0.5 }), sphere(1).at(3, 0, 0) }",
+            "scene { box(1).paint(material { color: #f00 }), sphere(1).at(3, 0, 0) }",
+            ["`transmit` is 0.5", "no shape of the scene lets light through"],
+        ),
+        pair(
+            "antialiasing",
+            None,
+            "scene { box(1).paint(material { color: checker(p.xz, #fff, #000) }) } render { antialias: 3 } sky { color: p }",
+            "scene { box(1).paint(material { color: checker(p.xz, #fff, #000) }) } sky { color: p }",
+            ["`antialias` is more than 1", "`antialias` is 1 by default"],
+        ),
+        pair(
+            "own shading",
+            None,
+            "scene { box(1) } fn shade(s) = s.color",
+            "scene { box(1) } light a { direction: (1, 2, 3) }",
+            ["the file has a `fn shade(surface)`", "the file has no `fn shade(surface)`"],
+        ),
+        pair(
+            "sampled normals",
+            None,
+            "scene { box(1) } render { normals: central }",
+            "scene { box(1) } render { normals: exact }",
+            ["`normals` is not `exact`", "`normals` is `exact`"],
+        ),
+        pair(
+            "parallel rays",
+            None,
+            "scene { box(1) } camera { eye: (3, 4, 5), projection: orthographic }",
+            "scene { box(1) } camera { eye: (3, 4, 5) }",
+            ["`projection` is `orthographic`", "`projection` is `perspective` by default"],
+        ),
+        pair(
             "emission",
-            Some("box"),
+            None,
             "scene { box(1).paint(material { color: #f00, emission: (1, 2, 3) }) }",
             "scene { box(1).paint(material { color: #f00 }) }",
             ["`emission` is (1, 2, 3)", "no surface of the scene gives light by itself"],
@@ -168,15 +210,17 @@ fn what_is_left_out_is_as_if_nothing_called_for_it() {
         // The list is that of the whole scene.
         assert_eq!(left.effects, whole.effects, "{name}");
         if !effect.can_be_left_out {
-            assert!(matches!(name, "time" | "mouse"), "{name}");
+            assert!(matches!(name, "time" | "mouse" | "parallel rays"), "{name}");
             assert_eq!(left.program, whole.program, "{name}");
             continue;
         }
         assert_ne!(left.program, whole.program, "{name}");
         let without = scene(without, &Options::default());
-        assert_eq!(left.summary.effects, without.summary.effects, "{name}");
-        // A steep shape is another one than one that is not.
-        if name != "step correction" {
+        if name != "own shading" {
+            assert_eq!(left.summary.effects, without.summary.effects, "{name}");
+        }
+        // A steep shape is another one than one that is not, and the light that own shading does not ask for is another.
+        if !matches!(name, "step correction" | "own shading") {
             assert_eq!(left.program.to_string(), without.program.to_string(), "{name}");
         }
     }
@@ -232,7 +276,7 @@ fn params_tell_how_far_a_value_may_go_and_what_removes_it() {
         rim { color: tint * 0.5 }
         light sun { direction: (1, 2, 3), intensity: if on { k } else { 0 }, shadow: hard }
         let lamp = sphere(1).paint(material { glow: k * (1, 0.5, 0.25) * m, emission: max(p.y, 0) * haze })
-        scene { lamp }";
+        scene { lamp, torus(1, 0.3).at(3, 0, 0) }";
     let effects = effects(text);
     let told = |name, subject| {
         let e = one(&effects, name, subject);
@@ -251,7 +295,7 @@ fn params_tell_how_far_a_value_may_go_and_what_removes_it() {
     assert_eq!((is_in, range, set.as_str()), (true, Some([0.0, 3.0]), "on=false"));
     let reason = "`glow` depends on `k` and `m` and may reach 6";
     assert_eq!(told("glow", Some("lamp")), (true, reason, Some([-3.0, 6.0]), "k=0".into()));
-    let (is_in, reason, _, set) = told("emission", Some("lamp"));
+    let (is_in, reason, _, set) = told("emission", None);
     assert_eq!((is_in, reason, set.as_str()), (true, "`emission` depends on `haze`", "haze=0"));
 }
 
@@ -274,6 +318,28 @@ fn what_is_always_zero_calls_for_nothing() {
     assert_eq!(reason("emission", None), "no surface of the scene gives light by itself");
     assert_eq!(reason("hard shadow", Some("sun")), "it gives no light: its `intensity` or its `color` is 0");
     assert!(!made.program.uniforms.iter().any(|u| &*u.name == "k" || &*u.name == "time"), "{}", made.program);
+}
+
+#[test]
+fn what_is_not_asked_for_has_its_reason() {
+    let reason = |text: &str, name, subject| {
+        let made = effects(text);
+        let effect = one(&made, name, subject);
+        assert!(!effect.is_in, "{name}");
+        effect.reason.clone()
+    };
+    let hard = "light a { direction: (1, 2, 3), shadow: hard } scene { box(1) } camera { eye: (4, 4, 4) }";
+    assert_eq!(reason(hard, "hard shadow", Some("a")), "nothing can fall into it");
+    let own =
+        "fn shade(s) = s.color light a { direction: (1, 2, 3), shadow: soft(4) } scene { torus(1, 0.3) }";
+    let not_called = "the scene's own shading does not call for it";
+    assert_eq!(reason(own, "soft shadow", Some("a")), not_called);
+    assert_eq!(reason(own, "occlusion", None), not_called);
+    assert_eq!(reason(own, "reflection", None), not_called);
+    let asked = effects("fn shade(s) = s.color * occlusion() + reflection() scene { torus(1, 0.3) }");
+    assert!(one(&asked, "occlusion", None).is_in && one(&asked, "reflection", None).is_in);
+    let none = "scene { box(1).paint(material { reflect: 1 }) } render { bounces: 0 }";
+    assert_eq!(reason(none, "reflection", None), "`bounces` is 0");
 }
 
 #[test]

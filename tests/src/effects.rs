@@ -127,7 +127,9 @@ pub const SHOWN: [Shown; 16] = [
         title: "Orthographic camera",
         file: "camera.sdf",
         without: &[],
-        with: &["camera { eye: (2.4, 1.7, 4.6), target: (0, 0.55, 0), fov: 32deg, projection: orthographic }"],
+        with: &[
+            "camera { eye: (2.4, 1.7, 4.6), target: (0, 0.55, 0), fov: 32deg, projection: orthographic }",
+        ],
     },
     Shown {
         title: "Sampled normals",
@@ -153,8 +155,13 @@ pub const SHOWN: [Shown; 16] = [
 impl Shown {
     /// The names of its pictures: without it and with it.
     pub fn pictures(&self) -> [String; 2] {
-        let name: String =
-            self.title.to_lowercase().chars().filter(|c| *c != '\'').map(|c| if c == ' ' { '_' } else { c }).collect();
+        let name: String = self
+            .title
+            .to_lowercase()
+            .chars()
+            .filter(|c| *c != '\'')
+            .map(|c| if c == ' ' { '_' } else { c })
+            .collect();
         ["without", "with"].map(|which| format!("{name}_{which}.png"))
     }
 
@@ -174,7 +181,8 @@ impl Shown {
     /// Its pictures, as the interpreter draws them.
     pub fn drawn(&self) -> [Picture; 2] {
         self.scenes().map(|text| {
-            let program = scene(self.title, &text, &Options { attack: Some(0), ..Options::default() }).program;
+            let program =
+                scene(self.title, &text, &Options { attack: Some(0), ..Options::default() }).program;
             let program = legalised(&program, program.entry.expect("a pixel"));
             cpu::render(&program, &Frame::new(SIZE[0], SIZE[1]))
         })
@@ -216,7 +224,8 @@ pub fn page() -> String {
 
 /// The comment that a file of the renderer opens with, its paragraphs each on a line.
 fn opening(file: &str) -> String {
-    let (_, text) = compiler_files().find(|(name, _)| *name == file).unwrap_or_else(|| panic!("no file {file}"));
+    let (_, text) =
+        compiler_files().find(|(name, _)| *name == file).unwrap_or_else(|| panic!("no file {file}"));
     let lines = text.lines().take_while(|line| line.starts_with("//") && !line.starts_with("///"));
     let lines: Vec<&str> = lines.map(|line| line.trim_start_matches('/').trim()).collect();
     lines.split(|line| line.is_empty()).map(|lines| lines.join(" ")).collect::<Vec<_>>().join("\n\n")

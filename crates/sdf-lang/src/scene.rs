@@ -334,7 +334,9 @@ impl<'t> Elaborator<'t> {
         Ok(shapes)
     }
 
-    /// The shapes that glow, and what the materials of all shapes call for.
+    /// The shapes that glow, each with what is known of where: whether it is a `flat` half space with the same glow
+    /// everywhere, and, if it is `bounded`, the box from `lo` to `hi` in which it may shine; and what the materials of all
+    /// shapes call for.
     fn glows(&mut self, shapes: &[Rc<Shape<'t>>]) -> Eval<(Value<'t>, BTreeSet<Column>)> {
         let (mut out, mut all) = (Vec::new(), BTreeSet::new());
         self.parts_called.clear();
@@ -345,10 +347,51 @@ impl<'t> Elaborator<'t> {
                 self.note_part(&shape);
             }
             if columns.contains(&Column::Glow) {
-                out.push(Value::record(vec![(Arc::from("shape"), Value::Shape(shape))]));
+                let reach = self.reach_of_glow(&shape)?;
+                out.push(self.glow_record(shape, reach)?);
             }
         }
         Ok((Value::list(out), all))
+    }
+
+    /// How far a shape's glow reaches at most, if that has a bound, and whether it is the same everywhere.
+    fn reach_of_glow(&mut self, shape: &Rc<Shape<'t>>) -> Eval<Option<(f64, bool)>> {
+        self.contexts.open(&Arc::from("glow"), None);
+        let point = self.contexts.entry_parameter("p", Type::Vec3);
+        let reach = self.reach_of_glow_at(shape, &point);
+        self.contexts.discard();
+        reach
+    }
+
+    fn reach_of_glow_at(&mut self, shape: &Rc<Shape<'t>>, point: &Number) -> Eval<Option<(f64, bool)>> {
+        let Value::Record(glow) = self.surface(&Column::OF_GLOW, shape, point, point, Span::default())?
+        else {
+            unreachable!("properties are a record")
+        };
+        let [light, radius] = Column::OF_GLOW.map(|column| match glow.get(column.name()) {
+            Some(Value::Number(number)) => number.clone(),
+            _ => unreachable!("it was asked for"),
+        });
+        let is_even = !light.is_local() && !radius.is_local();
+        let reach = self.bounds_of_number(&radius).number().hi;
+        Ok(reach.is_finite().then_some((reach, is_even)))
+    }
+
+    fn glow_record(&mut self, shape: Rc<Shape<'t>>, reach: Option<(f64, bool)>) -> Eval<Value<'t>> {
+        let is_flat = matches!(reach, Some((_, true))) && self.is_half_space(&shape)?;
+        let corners = match reach {
+            Some((reach, _)) => solids::corners(&self.extent_of(&shape, reach)?),
+            None => None,
+        };
+        let is_bounded = corners.is_some();
+        let [lo, hi] = corners.unwrap_or_else(|| [Number::float(0.0), Number::float(0.0)]);
+        Ok(Value::record(vec![
+            (Arc::from("shape"), Value::Shape(shape)),
+            (Arc::from("flat"), Value::bool(is_flat)),
+            (Arc::from("bounded"), Value::bool(is_bounded)),
+            (Arc::from("lo"), Value::Number(lo)),
+            (Arc::from("hi"), Value::Number(hi)),
+        ]))
     }
 
     /// A ball round the bounded parts of the scene: centre and radius.

@@ -255,7 +255,7 @@ fn as_if_not_steep<'t>(shape: &Rc<Shape<'t>>) -> Rc<Shape<'t>> {
 }
 
 /// The corners of the box that shapes lie in, far away where it has no end; nothing if it has none at all.
-fn corners(extent: &Extent) -> Option<[Number; 2]> {
+pub(crate) fn corners(extent: &Extent) -> Option<[Number; 2]> {
     let extent = extent.grown(room(extent));
     let corner = |corner| corner_number(corner, Dimension::Three);
     (!extent.is_everything()).then(|| [corner(extent.lo), corner(extent.hi)])

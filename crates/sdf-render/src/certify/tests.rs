@@ -32,8 +32,13 @@ fn scene(shape: Shape, stretch: f64) -> Certifier {
     let origin = b.compose(&[x, y, z]);
     let direction = b.constant(Constant::Vec3([0.0, 0.0, 1.0]));
     let (far, width, tolerance) = (b.float(20.0), b.float(0.0), b.float(1e-3));
-    let results =
-        [(origin, "origin"), (direction, "direction"), (far, "far"), (width, "width"), (tolerance, "tolerance")];
+    let results = [
+        (origin, "origin"),
+        (direction, "direction"),
+        (far, "far"),
+        (width, "width"),
+        (tolerance, "tolerance"),
+    ];
     let ray = program.add(b.finish(results.map(|(value, name)| (value, name.into())).to_vec()));
     Certifier::new(&program, Functions { map: Some(map), ray, step }, &Frame::new(1, 1))
 }

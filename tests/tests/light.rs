@@ -147,11 +147,11 @@ impl Errors {
 #[test]
 fn soft_shadows_are_their_definition() {
     let samples_alone = twin(
-        "light.sdf",
+        "soft_shadow.sdf",
         &[("let darkest = softness * slope * between.d / between.t;", "let darkest = light;")],
     );
     let lifted = twin(
-        "light.sdf",
+        "soft_shadow.sdf",
         &[("past_solids(scene, foot.place,", "past_solids(scene, foot.place + direction * offset,")],
     );
     let twins = [("samples alone", samples_alone), ("lifted", lifted)];
@@ -230,14 +230,14 @@ fn occlusion_is_its_definition() {
     }
     // One sample; from where rays to lights start.
     let single = twin(
-        "light.sdf",
+        "occlusion.sdf",
         &[
             ("let samples = 5.5 + sqrt(2) / 4;", "let samples = 1;"),
             ("iterate(6,", "iterate(1,"),
             ("i < 5", "i < 1"),
         ],
     );
-    let lifted = twin("pixel.sdf", &[("occlusion(scene.map, foot,", "occlusion(scene.map, (place: start),")]);
+    let lifted = twin("pixel.sdf", &[("occlusion(scene.map, at.foot,", "occlusion(scene.map, (place: at.place + at.lifted),")]);
     for (name, options) in [("single", single), ("lifted", lifted)] {
         let wrong = |(_, errors): &(&str, Errors)| errors.share_above(OCCLUSION_NEAR) > 1e-2;
         assert!(occlusion_errors(&options).iter().any(wrong), "{name}");
@@ -559,11 +559,11 @@ fn lights_add_up_by_the_formula() {
     let phong = twin(
         "light.sdf",
         &[
-            ("normalize(to_light - direction)", "reflect(direction, normal)"),
-            ("dot(normal, half_vector)", "dot(to_light, half_vector)"),
+            ("normalize(to_light - direction)", "reflect(direction, at.normal)"),
+            ("dot(at.normal, half_vector)", "dot(to_light, half_vector)"),
         ],
     );
-    let lifted = twin("light.sdf", &[("normalize(light.at - foot.place)", "normalize(light.at - place)")]);
+    let lifted = twin("light.sdf", &[("normalize(light.at - at.foot.place)", "normalize(light.at - at.place - at.lifted)")]);
     for (name, options) in [("Phong", phong), ("lifted", lifted)] {
         assert!(formula_errors(&options).worst() > 2.0 * FORMULA_NEAR, "{name}");
     }

@@ -3,19 +3,24 @@
 //! [`EFFECTS`] is the list of all: a row has the name of an effect, how it is found in the record that the renderer takes,
 //! and which flag of that record leaves it out.
 
+mod find;
+mod record;
+
 use crate::causes::Cause;
-use crate::errors::short;
 use crate::eval::{Elaborator, Eval};
 use crate::facts::{name_of, parts};
 use crate::scene::is_antialiased;
-use crate::solids::Solids;
 use crate::surface::Column;
-use crate::value::{Fields, Module, Number, Shape, ShapeKind, Thunk, Value};
+use crate::value::{Module, Number, Shape, ShapeKind, Thunk, Value};
+use find::{
+    Found, always, bounced, by_column, by_setting, by_word, occlusion, out, read, reflection, relaxation,
+    shadows, step_correction, together,
+};
+pub(crate) use record::Called;
 use sdf_ir::{Program, Role};
 use sdf_syntax::Span;
-use sdf_syntax::tree::{ExprKind, Record, SettingsKind};
+use sdf_syntax::tree::SettingsKind;
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// An effect of the renderer, or an input that pictures may depend on: whether it is in a scene's program, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,12 +51,6 @@ pub struct Effect {
     places: Vec<usize>,
 }
 
-/// The record that the renderer takes, as far as it is made.
-pub(crate) struct Called<'a, 't> {
-    pub fields: &'a mut Vec<(Arc<str>, Value<'t>)>,
-    pub solids: &'a mut Solids<'t>,
-}
-
 /// A row of the list of effects.
 struct Row {
     name: &'static str,
@@ -73,12 +72,6 @@ enum Needs {
     Rays,
     /// Light from surfaces.
     Surfaces,
-}
-
-/// What calls for an effect, or why nothing does.
-enum Found {
-    In { subject: Option<String>, cause: Cause, removed_by: Option<(String, String)>, places: Vec<usize> },
-    Out { subject: Option<String>, reason: String, span: Option<Span> },
 }
 
 /// All effects; the head of a text lists them in this order.
@@ -265,12 +258,6 @@ const EFFECTS: [Row; 19] = [
     },
 ];
 
-/// A slope from which on there is no use in telling it.
-const ENDLESS: f64 = 1e6;
-
-/// Why the scene's own shading is without something.
-const NOT_CALLED: &str = "the scene's own shading does not call for it";
-
 /// The inputs that a scene reads by these names.
 const TIME: &str = "time";
 const MOUSE: &str = "mouse";
@@ -415,371 +402,4 @@ fn effect(row: &Row, found: Found) -> Effect {
             places: Vec::new(),
         },
     }
-}
-
-fn out(reason: impl Into<String>, span: Option<Span>) -> Found {
-    Found::Out { subject: None, reason: reason.into(), span }
-}
-
-/// Called for by something that no param changes.
-fn always(words: impl Into<String>, span: Option<Span>) -> Found {
-    let cause =
-        Cause { words: words.into(), span, depends_on: Vec::new(), range: None, zeroed_by: Vec::new() };
-    Found::In { subject: None, cause, removed_by: None, places: vec![0] }
-}
-
-// ---- how each is found
-
-fn relaxation<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
-    let is_auto = called.is("render", "relax");
-    if is_auto && called.solids.rest().is_none() {
-        return Ok(vec![out("rays march to nothing: half spaces are met where a division says", None)]);
-    }
-    let words = ["`relax` is `auto`", "`relax` is `none`"];
-    Ok(vec![by_word(e, is_auto, (SettingsKind::Render, "relax"), words)])
-}
-
-fn step_correction<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
-    let Some(rest) = called.solids.rest().cloned() else {
-        return Ok(vec![out("rays march to nothing", None)]);
-    };
-    if e.slope_of(&rest)?.everywhere <= 1.0 {
-        return Ok(vec![out("the scene is steep nowhere", None)]);
-    }
-    // The shape that makes it so is as steep as the whole.
-    let mut shape = rest;
-    while let Some(part) = steepest_part(e, &shape)? {
-        shape = part;
-    }
-    let (slope, name) = (e.slope_of(&shape)?, name_of(&shape));
-    let how = match (slope.everywhere < ENDLESS, slope.within < ENDLESS) {
-        (true, _) => format!("the slope of `{name}` may be {}", short(slope.everywhere)),
-        (false, true) => {
-            format!("the slope of `{name}` may be {} in its box, and more outside", short(slope.within))
-        }
-        (false, false) => format!("the slope of `{name}` has no bound"),
-    };
-    let span = (shape.place != Span::default()).then_some(shape.place);
-    Ok(vec![always(how, span)])
-}
-
-/// The part of a shape that is as steep as the shape itself, if there is one.
-fn steepest_part<'t>(e: &mut Elaborator<'t>, shape: &Rc<Shape<'t>>) -> Eval<Option<Rc<Shape<'t>>>> {
-    let whole = e.slope_of(shape)?.everywhere;
-    for part in parts(shape) {
-        if e.slope_of(&part)?.everywhere >= whole {
-            return Ok(Some(part));
-        }
-    }
-    Ok(None)
-}
-
-/// The shadows of one kind, one for each light that casts it.
-fn shadows<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>, soft: bool) -> Eval<Vec<Found>> {
-    let Some(Value::List(lights)) = called.field("lights") else { unreachable!("lights are a list") };
-    let kind = if soft { "soft" } else { "hard" };
-    let mut found = Vec::new();
-    if e.names.user.lights.is_empty() {
-        match lights.items.first() {
-            Some(light) if casts(light, soft) => {
-                found.push(always("no light is declared, and the default one casts it", None));
-            }
-            Some(light) if soft => found.push(out(why_none(e, light), None)),
-            _ => {}
-        }
-    }
-    let mut lit = lights.items.iter().enumerate();
-    for (name, record) in e.names.user.lights.clone() {
-        let span = field_of(record, "shadow");
-        let subject = Some(name.text.to_string());
-        let shines = e.light_names.iter().any(|(other, shines)| *other == name.text && *shines);
-        let light = if shines { lit.next() } else { None };
-        let (index, light) = match light {
-            Some((index, light)) if casts(light, soft) => (index, light),
-            _ => {
-                if asks_for(record, kind) {
-                    let dark = "it gives no light: its `intensity` or its `color` is 0".to_string();
-                    let reason = light.map_or(dark, |(_, light)| why_none(e, light));
-                    found.push(Found::Out { subject, reason, span });
-                }
-                continue;
-            }
-        };
-        let Value::Record(fields) = light else { unreachable!("a light is a record") };
-        let Some(Value::Number(color)) = fields.get("color") else { unreachable!("a light has a colour") };
-        let light = e.cause("intensity", color, span);
-        // Whether it casts a shadow is static; whether it gives light may not be.
-        let cause = Cause { words: format!("`shadow` is `{kind}`"), ..light };
-        let removed_by = cause.zeroed_by.first().cloned();
-        found.push(Found::In { subject, removed_by, cause, places: vec![index] });
-    }
-    if found.is_empty() {
-        let reason = match lights.items.is_empty() {
-            true => "no light reaches a surface".to_string(),
-            false => format!("no light casts a {kind} shadow"),
-        };
-        found.push(out(reason, None));
-    }
-    Ok(found)
-}
-
-/// Why a light casts no shadow that it asks for.
-fn why_none(e: &Elaborator<'_>, light: &Value<'_>) -> String {
-    let Value::Record(light) = light else { unreachable!("a light is a record") };
-    match light.get("unshadowed").is_some_and(Value::is_true) {
-        true => "nothing can fall into it".to_string(),
-        false if e.own_shading().is_some() => NOT_CALLED.to_string(),
-        false => "nothing calls for it".to_string(),
-    }
-}
-
-/// Occlusion, which the scene's own shading asks for by calling it.
-fn occlusion<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
-    // Who calls it gets it, whatever the colour round about is.
-    let settings: &[&str] = if e.own_shading().is_some() { &["occlusion"] } else { &["occlusion", "color"] };
-    by_setting(e, called, ("ambient", "occluded"), SettingsKind::Ambient, settings)
-}
-
-/// Reflection: by the materials, or by the scene's own shading.
-fn reflection<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<Vec<Found>> {
-    if let Some(function) = e.own_shading() {
-        let span = Some(function.name.span);
-        return Ok(vec![match called.flag("mirrors_by_call") {
-            true => always("the scene's own shading calls `reflection()`", span),
-            false => out(NOT_CALLED, span),
-        }]);
-    }
-    let found = together(e, Column::Reflect, "no shape of the scene reflects");
-    Ok(vec![bounced(e, called.flag("reflects"), found)])
-}
-
-/// What the materials call for, unless rays are not to go on.
-fn bounced(e: &Elaborator<'_>, is_in: bool, found: Found) -> Found {
-    match found {
-        Found::In { .. } if !is_in => {
-            out("`bounces` is 0", e.span_of_setting(SettingsKind::Render, "bounces"))
-        }
-        found => found,
-    }
-}
-
-/// Whether a light casts shadows of this kind.
-fn casts(light: &Value<'_>, soft: bool) -> bool {
-    let Value::Record(light) = light else { return false };
-    let is = |name| light.get(name).is_some_and(Value::is_true);
-    is("casts") && is("soft") == soft
-}
-
-/// Whether the setting `shadow` of a light begins with this word.
-fn asks_for(light: &Record, kind: &str) -> bool {
-    let value =
-        light.fields.iter().find(|field| &*field.name.text == "shadow").map(|field| &field.value.kind);
-    let word = match value {
-        Some(ExprKind::Postfix { base, .. }) => Some(&base.kind),
-        other => other,
-    };
-    matches!(word, Some(ExprKind::Name(word)) if &**word == kind)
-}
-
-fn field_of(record: &Record, name: &str) -> Option<Span> {
-    record.fields.iter().find(|field| &*field.name.text == name).map(|field| field.value.span)
-}
-
-/// An effect that a block's flag says is called for, since none of these of its settings is zero. The first is the one that
-/// is the effect's own.
-fn by_setting<'t>(
-    e: &mut Elaborator<'t>,
-    called: &Called<'_, 't>,
-    (block, flag): (&str, &str),
-    kind: SettingsKind,
-    settings: &[&str],
-) -> Eval<Vec<Found>> {
-    let Some(record) = called.record(block) else { unreachable!("`{block}` is a record") };
-    let mut causes = Vec::new();
-    for name in settings {
-        let Some(Value::Number(value)) = record.get(name) else { unreachable!("`{name}` is a number") };
-        let span = e.span_of_setting(kind, name);
-        if !e.may_be_nonzero(value) {
-            let by_default = if span.is_none() { " by default" } else { "" };
-            let is = if value.known().is_some() { "is 0" } else { "is always 0" };
-            return Ok(vec![out(format!("`{name}` {is}{by_default}"), span)]);
-        }
-        causes.push(e.cause(name, value, span));
-    }
-    if !called.is(block, flag) {
-        let reason = if e.own_shading().is_some() { NOT_CALLED } else { "nothing calls for it" };
-        return Ok(vec![out(reason, None)]);
-    }
-    let removed_by = causes.iter().flat_map(|cause| cause.zeroed_by.first()).next().cloned();
-    Ok(vec![Found::In { subject: None, cause: causes.remove(0), removed_by, places: vec![0] }])
-}
-
-/// An effect that a setting switches; the words say what it is if it is in, and if not.
-fn by_word(
-    e: &mut Elaborator<'_>,
-    is_in: bool,
-    (kind, name): (SettingsKind, &str),
-    [on, off]: [&str; 2],
-) -> Found {
-    let span = e.span_of_setting(kind, name);
-    let by_default = if span.is_none() { " by default" } else { "" };
-    match is_in {
-        true => always(format!("{on}{by_default}"), span),
-        false => out(format!("{off}{by_default}"), span),
-    }
-}
-
-/// An effect that the materials of shapes call for: one for all parts of the scene of one name for which one line does.
-fn by_column(e: &mut Elaborator<'_>, column: Column, otherwise: &str) -> Vec<Found> {
-    let mut groups: Vec<Group> = Vec::new();
-    let of_column = |(name, causes): &(String, Vec<(Column, Cause)>)| {
-        let own = causes.iter().filter(|(c, _)| *c == column).map(|(_, cause)| cause.clone());
-        let own: Vec<Cause> = own.collect();
-        (!own.is_empty()).then(|| (name.clone(), own))
-    };
-    for (place, (name, causes)) in e.parts_called.iter().filter_map(of_column).enumerate() {
-        match groups.iter_mut().find(|g| g.name == name && g.causes[0].span == causes[0].span) {
-            Some(group) => {
-                group.places.push(place);
-                group.causes.extend(causes);
-            }
-            None => groups.push(Group { name, causes, places: vec![place] }),
-        }
-    }
-    if groups.is_empty() {
-        return vec![out(otherwise, None)];
-    }
-    groups.into_iter().map(Group::found).collect()
-}
-
-/// The same as one effect, for what is in or out for the scene as a whole.
-fn together(e: &Elaborator<'_>, column: Column, otherwise: &str) -> Found {
-    let all = e.parts_called.iter().flat_map(|(_, causes)| causes);
-    let causes: Vec<Cause> = all.filter(|(c, _)| *c == column).map(|(_, cause)| cause.clone()).collect();
-    if causes.is_empty() {
-        return out(otherwise, None);
-    }
-    match (Group { name: String::new(), causes, places: vec![0] }).found() {
-        Found::In { cause, removed_by, places, .. } => Found::In { subject: None, cause, removed_by, places },
-        found => found,
-    }
-}
-
-/// Parts of a scene of one name, and what calls for an effect of each.
-struct Group {
-    name: String,
-    causes: Vec<Cause>,
-    places: Vec<usize>,
-}
-
-impl Group {
-    fn found(self) -> Found {
-        // Each of the materials must be without it.
-        let removes = |set: &&(String, String)| self.causes.iter().all(|cause| cause.zeroed_by.contains(set));
-        let removed_by = self.causes[0].zeroed_by.iter().find(removes).cloned();
-        // The words are about the first of the values that may go farthest.
-        let size = |cause: &Cause| cause.range.map_or(f64::INFINITY, |[lo, hi]| hi.max(-lo));
-        let farthest = self.causes.iter().rev().max_by(|a, b| size(a).total_cmp(&size(b)));
-        let cause = farthest.unwrap_or(&self.causes[0]).clone();
-        Found::In { subject: Some(self.name), cause, removed_by, places: self.places }
-    }
-}
-
-/// An input that the user's files read.
-fn read(e: &mut Elaborator<'_>, name: &str) -> Found {
-    match e.inputs_read.get(name) {
-        Some(span) => always(format!("`{name}` is read"), Some(*span)),
-        None => out(format!("nothing reads `{name}`"), None),
-    }
-}
-
-// ---- the record of the renderer
-
-impl<'t> Called<'_, 't> {
-    fn field(&self, name: &str) -> Option<&Value<'t>> {
-        self.fields.iter().find(|(other, _)| &**other == name).map(|(_, value)| value)
-    }
-
-    fn record(&self, name: &str) -> Option<&Rc<Fields<'t>>> {
-        match self.field(name) {
-            Some(Value::Record(record)) => Some(record),
-            _ => None,
-        }
-    }
-
-    fn is(&self, block: &str, flag: &str) -> bool {
-        self.record(block).and_then(|record| record.get(flag)).is_some_and(Value::is_true)
-    }
-
-    /// A truth value of the record itself.
-    pub fn flag(&self, name: &str) -> bool {
-        self.field(name).is_some_and(Value::is_true)
-    }
-
-    fn set_flag(&mut self, name: &str, is: bool) {
-        self.replace(name, |_| Value::bool(is));
-        if matches!(name, "reflects" | "transmits") {
-            let goes_on = self.flag("reflects") || self.flag("transmits");
-            self.replace("goes_on", |_| Value::bool(goes_on));
-        }
-    }
-
-    /// Sets a number of a block, if there is one to set.
-    fn set_number(&mut self, block: &str, name: &str, number: Option<f64>) {
-        if let Some(number) = number {
-            self.replace(block, |record| with(record, name, &Value::float(number)));
-        }
-    }
-
-    fn replace(&mut self, name: &str, change: impl FnOnce(&Value<'t>) -> Value<'t>) {
-        if let Some((_, value)) = self.fields.iter_mut().find(|(other, _)| &**other == name) {
-            *value = change(value);
-        }
-    }
-
-    fn set(&mut self, block: &str, flag: &str, is: bool) {
-        self.replace(block, |record| with_flag(record, flag, is));
-    }
-
-    fn set_lights(&mut self, places: &[usize], flag: &str, is: bool) {
-        self.replace("lights", |lights| {
-            let Value::List(list) = lights else { unreachable!("lights are a list") };
-            let lights = list.items.iter().enumerate();
-            let changed = |(i, light): (usize, &Value<'t>)| {
-                if places.contains(&i) { with_flag(light, flag, is) } else { light.clone() }
-            };
-            Value::list(lights.map(changed).collect())
-        });
-    }
-
-    /// Takes elements out of a list.
-    fn remove(&mut self, list: &str, places: &[usize]) {
-        self.replace(list, |value| {
-            let Value::List(list) = value else { unreachable!("it is a list") };
-            let others = list.items.iter().enumerate().filter(|(i, _)| !places.contains(i));
-            Value::list(others.map(|(_, value)| value.clone()).collect())
-        });
-    }
-
-    /// Lets rays step as far as fields read, however steep these are.
-    fn take_whole_steps(&mut self) {
-        self.solids.take_whole_steps();
-        let map = self.solids.map.clone();
-        self.replace("map", |_| map);
-    }
-}
-
-/// The record with another truth value.
-fn with_flag<'t>(record: &Value<'t>, flag: &str, is: bool) -> Value<'t> {
-    with(record, flag, &Value::bool(is))
-}
-
-/// The record with another value.
-fn with<'t>(record: &Value<'t>, name: &str, value: &Value<'t>) -> Value<'t> {
-    let Value::Record(record) = record else { unreachable!("it is a record") };
-    let fields = record.fields.iter().map(|(other, old)| {
-        let value = if &**other == name { value.clone() } else { old.clone() };
-        (other.clone(), value)
-    });
-    Value::record(fields.collect())
 }

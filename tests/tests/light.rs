@@ -237,7 +237,10 @@ fn occlusion_is_its_definition() {
             ("i < 5", "i < 1"),
         ],
     );
-    let lifted = twin("pixel.sdf", &[("occlusion(scene.map, at.foot,", "occlusion(scene.map, (place: at.place + at.lifted),")]);
+    let lifted = twin(
+        "pixel.sdf",
+        &[("occlusion(scene.map, at.foot,", "occlusion(scene.map, (place: at.place + at.lifted),")],
+    );
     for (name, options) in [("single", single), ("lifted", lifted)] {
         let wrong = |(_, errors): &(&str, Errors)| errors.share_above(OCCLUSION_NEAR) > 1e-2;
         assert!(occlusion_errors(&options).iter().any(wrong), "{name}");
@@ -563,7 +566,10 @@ fn lights_add_up_by_the_formula() {
             ("dot(at.normal, half_vector)", "dot(to_light, half_vector)"),
         ],
     );
-    let lifted = twin("light.sdf", &[("normalize(light.at - at.foot.place)", "normalize(light.at - at.place - at.lifted)")]);
+    let lifted = twin(
+        "light.sdf",
+        &[("normalize(light.at - at.foot.place)", "normalize(light.at - at.place - at.lifted)")],
+    );
     for (name, options) in [("Phong", phong), ("lifted", lifted)] {
         assert!(formula_errors(&options).worst() > 2.0 * FORMULA_NEAR, "{name}");
     }

@@ -189,7 +189,7 @@ fn effects_are_in_the_program_only_where_they_are_called_for() {
             "transmission",
         ),
         (
-            "fn shade(s) = reflection() + occlusion() render { bounces: 0 }".into(),
+            "fn shade(s) = reflection() + occlusion() render { bounces: 1 }".into(),
             "fn shade(s) = occlusion()".into(),
             "mirrored_light",
             "reflection",

@@ -63,3 +63,11 @@ mod tests {
         assert_eq!(slug("llvmpipe (LLVM 15.0.6, 256 bits)"), "llvmpipe_llvm_15_0_6_256_bits");
     }
 }
+
+/// What the processor is called, and how many there are.
+pub fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let count = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{count} processors, {}", name.map_or("of an unknown kind", |(_, name)| name))
+}

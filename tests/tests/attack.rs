@@ -400,7 +400,7 @@ fn impostor(items: &str) -> Row {
 /// Each measure can fail: of shapes that are a little wrong in one way each.
 #[test]
 fn impostors_are_caught() {
-    let right = "@exact @bounds(-0.5, 0.5) fn impostor() = field { length(p) - 0.5 }";
+    let right = "@exact @convex @bounds(-0.5, 0.5) fn impostor() = field { length(p) - 0.5 }";
     let caught = impostor(right).complaints;
     assert!(caught.is_empty(), "{caught:?}");
     let wrong = [

@@ -1,9 +1,9 @@
 //! What a scene's field says at points is what the scene's own functions compute.
 
 use sdf_ir::eval::{Tape, run_parallel};
-use sdf_ir::{Constant, Program};
+use sdf_ir::Constant;
 use sdf_lang::Options;
-use sdf_tests::scenes::{examples, scene};
+use sdf_tests::scenes::examples;
 use sdfc::{Clock, Compiled, Field, Frame, Target};
 
 fn compiled(name: &str, text: &str) -> Compiled {
@@ -114,9 +114,8 @@ fn no_text_has_a_trace_of_questions() {
     for example in examples() {
         let text = |query: bool| {
             let options = Options { query, ..Options::default() };
-            let program: Program = scene(&example.name, &example.text, &options).program;
-            let header = sdf_emit::Header::default();
-            sdf_emit::emit(&sdf_ir::legalise(&program), Target::Wgsl, &header).expect("a text")
+            let compiled = sdfc::compile(&example.name, &example.text, &options, &mut sdfc::Clock::default());
+            compiled.output.expect("a shader").1.text(Target::Wgsl).expect("a text")
         };
         let (with, without) = (text(true), text(false));
         assert!(!with.contains("query"), "{}", example.name);

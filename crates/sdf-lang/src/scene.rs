@@ -187,6 +187,12 @@ impl<'t> Elaborator<'t> {
         let smooths = render.is_some_and(|(_, render)| is_antialiased(render));
         let called = |column| self.bounces && columns.contains(&column);
         let is_shaded = self.own_shading().is_some();
+        let is_set = |block: &str, flag: &str| match settings.iter().find(|(name, _)| &**name == block) {
+            Some((_, Value::Record(record))) => record.get(flag).is_some_and(Value::is_true),
+            Some((_, value)) => value.is_true(),
+            None => false,
+        };
+        let is_wide = is_set("camera", "parallel") || is_set("mirrors_by_call", "");
         let (reflects, transmits) = (called(Column::Reflect) && !is_shaded, called(Column::Transmit));
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
@@ -209,6 +215,8 @@ impl<'t> Elaborator<'t> {
         let effects = self.effects(&called, options.view.is_none_or(View::is_lit))?;
         self.leave_out(&effects, &options.left_out, &mut called);
         let transmits = called.flag("transmits");
+        let widens = is_wide || called.flag("goes_on");
+        fields.push((Arc::from("widens"), Value::bool(widens)));
         fields.extend(self.clear_fields(shapes, &solids, transmits, place)?);
         let solids = self.solid_fields(&solids, &fields)?;
         fields.extend(solids);

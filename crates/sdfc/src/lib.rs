@@ -72,7 +72,7 @@ pub fn compile(name: &str, text: &str, options: &Options, clock: &mut Clock) -> 
     let front = clock.time("parse and elaborate", || sdf_lang::compile(name, text, options));
     let (sources, tree, mut diagnostics) = (front.sources, front.tree, front.diagnostics);
     let output = front.scene.map(|scene| {
-        let program = clock.time("legalise", || sdf_ir::legalise(&scene.program));
+        let program = clock.time("legalise", || sdf_ir::legalise(&drawn(&scene)));
         let cost = clock.time("cost", || Cost::of(&scene, &program));
         diagnostics.extend(cost.warning(&tree));
         let title = Path::new(name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
@@ -80,6 +80,14 @@ pub fn compile(name: &str, text: &str, options: &Options, clock: &mut Clock) -> 
         (scene, Shader { program, header, cost })
     });
     Compiled { sources, tree, diagnostics, output }
+}
+
+/// The program of a scene's pictures. Functions that only questions call would else have a say in what the others yield.
+fn drawn(scene: &Scene) -> std::borrow::Cow<'_, Program> {
+    match scene.query.is_some() || scene.probe.is_some() || scene.certificate.is_some() {
+        true => std::borrow::Cow::Owned(sdf_ir::simplify(&scene.program, &[]).0),
+        false => std::borrow::Cow::Borrowed(&scene.program),
+    }
 }
 
 impl Compiled {

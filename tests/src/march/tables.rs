@@ -127,7 +127,7 @@ is shaded.",
     let mut table = Table {
         title: "The march, timed".into(),
         about,
-        versions: vec![adapter::version(), processor()],
+        versions: vec![adapter::version(), adapter::processor()],
         columns: heads.map(str::to_owned).to_vec(),
         rows: Vec::new(),
     };
@@ -160,12 +160,4 @@ fn time_row(scene: &str, Lap { march, whole, alone }: &Lap) -> Vec<String> {
         row.push(format!("{:.2}", times.ratio));
     }
     row
-}
-
-/// What the processor is called, and how many there are.
-fn processor() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    let count = std::thread::available_parallelism().map_or(1, usize::from);
-    format!("{count} processors, {}", name.map_or("of an unknown kind", |(_, name)| name))
 }

@@ -15,6 +15,7 @@ pub mod light;
 pub mod march;
 pub mod numbers;
 pub mod pages;
+pub mod pictures;
 pub mod prices;
 pub mod reference;
 pub mod rewriting;

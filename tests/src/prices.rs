@@ -26,11 +26,17 @@ struct Change {
 }
 
 const CHANGES: [Change; 12] = [
-    Change { name: "soft shadow", adds: true, make: |lines| with_field(lines, "light", 0, "shadow: soft(8)") },
+    Change {
+        name: "soft shadow",
+        adds: true,
+        make: |lines| with_field(lines, "light", 0, "shadow: soft(8)"),
+    },
     Change {
         name: "second light, hard shadow",
         adds: true,
-        make: |lines| lines.push("light second { direction: (-2, 4, 1), intensity: 0.4, shadow: hard }".into()),
+        make: |lines| {
+            lines.push("light second { direction: (-2, 4, 1), intensity: 0.4, shadow: hard }".into())
+        },
     },
     Change { name: "occlusion", adds: true, make: |lines| with_field(lines, "ambient", 0, "occlusion: 1") },
     Change { name: "glow", adds: true, make: |lines| with_field(lines, "material", 1, "glow: 0.1") },
@@ -38,8 +44,16 @@ const CHANGES: [Change; 12] = [
     Change { name: "rim light", adds: true, make: |lines| lines.push("rim { color: 0.2 }".into()) },
     Change { name: "fog", adds: true, make: |lines| lines.push("fog { density: 0.03 }".into()) },
     Change { name: "tone mapping", adds: true, make: |lines| with_setting(lines, "tonemap: aces") },
-    Change { name: "reflection", adds: false, make: |lines| with_field(lines, "material", 1, "reflect: 0.4") },
-    Change { name: "transmission", adds: false, make: |lines| with_field(lines, "material", 1, "transmit: 0.8") },
+    Change {
+        name: "reflection",
+        adds: false,
+        make: |lines| with_field(lines, "material", 1, "reflect: 0.4"),
+    },
+    Change {
+        name: "transmission",
+        adds: false,
+        make: |lines| with_field(lines, "material", 1, "transmit: 0.8"),
+    },
     Change { name: "antialiasing, 2 a side", adds: false, make: |lines| with_setting(lines, "antialias: 2") },
     Change { name: "antialiasing, 4 a side", adds: false, make: |lines| with_setting(lines, "antialias: 4") },
 ];
@@ -47,7 +61,8 @@ const CHANGES: [Change; 12] = [
 /// Puts a field behind the others of a block that is one line: the `index`-th of its kind.
 fn with_field(lines: &mut [String], block: &str, index: usize, field: &str) {
     let line = lines.iter_mut().filter(|line| line.starts_with(block)).nth(index);
-    let line = line.unwrap_or_else(|| panic!("there are fewer than {} lines that begin with `{block}`", index + 1));
+    let line =
+        line.unwrap_or_else(|| panic!("there are fewer than {} lines that begin with `{block}`", index + 1));
     let end = line.rfind('}').expect("a block on one line");
     line.truncate(end);
     *line = format!("{}, {field} }}", line.trim_end());
@@ -70,7 +85,11 @@ fn without_field(line: &str, field: &str) -> String {
         depth == 0 && [',', '}'].contains(&c)
     });
     let end = begin + 1 + end.expect("a field ends");
-    format!("{}{}", &line[..begin], if line[end..].starts_with('}') { format!(" {}", &line[end..]) } else { line[end..].into() })
+    format!(
+        "{}{}",
+        &line[..begin],
+        if line[end..].starts_with('}') { format!(" {}", &line[end..]) } else { line[end..].into() }
+    )
 }
 
 /// The scenes of an example.
@@ -93,12 +112,21 @@ pub const IDLE: &str = "all always on, and idle";
 impl Priced {
     /// The scenes of one of [`EXAMPLES`].
     pub fn of(name: &str) -> Priced {
-        let example = examples().into_iter().find(|e| e.name == name).unwrap_or_else(|| panic!("no example {name}"));
+        let example =
+            examples().into_iter().find(|e| e.name == name).unwrap_or_else(|| panic!("no example {name}"));
         let fields = ["shadow", "occlusion", "radius", "glow", "emission"];
-        let bare: Vec<String> = example.text.lines().map(|line| {
-            let is_setting = ["light", "ambient", "material"].iter().any(|block| line.starts_with(block));
-            if is_setting { fields.iter().fold(line.to_owned(), |line, field| without_field(&line, field)) } else { line.into() }
-        }).collect();
+        let bare: Vec<String> = example
+            .text
+            .lines()
+            .map(|line| {
+                let is_setting = ["light", "ambient", "material"].iter().any(|block| line.starts_with(block));
+                if is_setting {
+                    fields.iter().fold(line.to_owned(), |line, field| without_field(&line, field))
+                } else {
+                    line.into()
+                }
+            })
+            .collect();
         let made = |changes: &mut dyn Iterator<Item = &Change>| {
             let mut lines = bare.clone();
             changes.for_each(|change| (change.make)(&mut lines));
@@ -126,7 +154,12 @@ impl Priced {
     /// The scenes as shaders.
     pub fn shaders(&self) -> Vec<Shader> {
         let shader = |(what, text): &(&str, String)| {
-            let compiled = compile(&self.name, text, &Options { attack: Some(0), ..Options::default() }, &mut Clock::default());
+            let compiled = compile(
+                &self.name,
+                text,
+                &Options { attack: Some(0), ..Options::default() },
+                &mut Clock::default(),
+            );
             let said: Vec<&String> = compiled.diagnostics.iter().map(|d| &d.message).collect();
             compiled.output.unwrap_or_else(|| panic!("{}, {what}: {said:?}\n{text}", self.name)).1
         };

@@ -1,14 +1,12 @@
 //! The library's page and its pictures are what the doc comments say. `UPDATE_FIXTURES=1 cargo test` makes them anew.
 
 use sdf_lang::{Entry, reference};
-use sdf_render::Picture;
 use sdf_tests::library::calls;
+use sdf_tests::pictures::{read, write};
 use sdf_tests::reference::{page, page_path, picture, picture_path, picture_scene};
 use sdf_tests::scenes::gallery;
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::BufWriter;
-use std::path::Path;
 
 fn updates() -> bool {
     std::env::var_os("UPDATE_FIXTURES").is_some()
@@ -81,29 +79,4 @@ fn pictures_tell_shapes_apart() {
     let named = |name: &str| entries.iter().find(|entry| entry.name == name).expect("a function");
     assert!(picture_scene(named("sphere")).contains(&named("sphere").forms[0].examples[0]));
     assert_ne!(picture(named("sphere")), picture(named("box")));
-}
-
-fn write(path: &Path, picture: &Picture) {
-    fs::create_dir_all(path.parent().expect("a folder")).expect("the folder can be made");
-    let file = BufWriter::new(fs::File::create(path).expect("the picture can be written"));
-    let mut encoder = png::Encoder::new(file, picture.width, picture.height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::High);
-    let rgb: Vec<u8> = picture.rgba.chunks(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let mut writer = encoder.write_header().expect("a head");
-    writer.write_image_data(&rgb).expect("a picture");
-    writer.finish().expect("an end");
-}
-
-fn read(path: &Path) -> Option<Picture> {
-    let file = std::io::BufReader::new(fs::File::open(path).ok()?);
-    let mut reader = png::Decoder::new(file).read_info().ok()?;
-    let mut rgb = vec![0; reader.output_buffer_size()?];
-    let info = reader.next_frame(&mut rgb).ok()?;
-    let rgba = rgb.chunks(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-    (info.color_type == png::ColorType::Rgb).then_some(Picture {
-        width: info.width,
-        height: info.height,
-        rgba,
-    })
 }

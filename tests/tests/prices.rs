@@ -9,9 +9,16 @@ fn effects_together_cost_what_each_does() {
         let priced = Priced::of(name);
         let shaders = priced.shaders();
         let means: Vec<f64> = counted(&shaders, &Frame::new(96, 54)).iter().map(|e| e.mean).collect();
-        let mean = |wanted: &str| means[priced.scenes.iter().position(|(what, _)| *what == wanted).expect("a scene")];
+        let mean = |wanted: &str| {
+            means[priced.scenes.iter().position(|(what, _)| *what == wanted).expect("a scene")]
+        };
         let beyond = beyond_the_sum(&priced.scenes, &means);
-        println!("{name}: {:.1} alone, {:.1} with all, {beyond:+.3} beyond the sum, {:.1} idle", mean(NONE), mean(ALL), mean(IDLE));
+        println!(
+            "{name}: {:.1} alone, {:.1} with all, {beyond:+.3} beyond the sum, {:.1} idle",
+            mean(NONE),
+            mean(ALL),
+            mean(IDLE)
+        );
         // The place on the surface is looked for once, by all that need it.
         assert!(beyond.abs() < 0.1, "{name}: {beyond}");
         // What is not called for costs nothing: idle effects cost nearly what those do that are seen.

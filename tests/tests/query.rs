@@ -1,7 +1,7 @@
 //! What a scene's field says at points is what the scene's own functions compute.
 
-use sdf_ir::eval::{Tape, run_parallel};
 use sdf_ir::Constant;
+use sdf_ir::eval::{Tape, run_parallel};
 use sdf_lang::Options;
 use sdf_tests::scenes::examples;
 use sdfc::{Clock, Compiled, Field, Frame, Target};

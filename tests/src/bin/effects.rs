@@ -22,7 +22,8 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
         let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is no whole number"));
         match &*argument {
             "--size" => {
-                let (width, height) = value.split_once('x').ok_or(format!("`{value}` is no size; one is 640x360"))?;
+                let (width, height) =
+                    value.split_once('x').ok_or(format!("`{value}` is no size; one is 640x360"))?;
                 size = (number(width)?, number(height)?);
             }
             "--seconds" => seconds = number(&value)?,

@@ -25,13 +25,12 @@ fn drawn(example: &Example, options: &Options, size: [u32; 2]) -> (Vec<[f32; 3]>
 }
 
 fn smoothed(example: &Example, samples: u32) -> Example {
-    let text = &example.text;
-    let text = match text.find("render {") {
-        Some(at) => {
-            let at = at + "render {".len();
-            format!("{} antialias: {samples}, {}", &text[..at], &text[at..])
-        }
-        None => format!("{text}\nrender {{ antialias: {samples} }}"),
+    let bare = example.text.replace("antialias: 2, ", "");
+    assert!(!bare.contains("antialias"), "{} is antialiased in another way", example.name);
+    let setting = format!("antialias: {samples}");
+    let text = match bare.split_once("render    {") {
+        Some((before, after)) => format!("{before}render {{ {setting}, {after}"),
+        None => format!("{bare}\nrender {{ {setting} }}"),
     };
     Example { name: example.name.clone(), text }
 }
@@ -66,7 +65,7 @@ fn left_out(example: &Example, options: &Options) -> (usize, f32, u64, u64) {
 #[test]
 fn rays_that_are_left_out_would_not_change_the_picture() {
     let (mut few, mut many) = (0, 0);
-    for example in examples().into_iter().chain([wires()]) {
+    for example in examples().into_iter().chain(wires()) {
         let (wrong, most, rays, all) = left_out(&example, &Options::default());
         println!("{}: {rays} of {all} rays, at most {most:.2}/255 apart", example.name);
         assert!(
@@ -80,22 +79,31 @@ fn rays_that_are_left_out_would_not_change_the_picture() {
     assert!(few * 5 < many * 4, "{few} of {many} rays are taken");
 }
 
-/// Wires that are thinner than the grid of a pixel's rays, before a floor of tiles that are smaller than a pixel far away.
-fn wires() -> Example {
-    let text = "camera { eye: (0, 0.6, 3), target: (0, 0.5, 0), fov: 60deg }
-        material tiles { color: checker(p.xz, 0.9, 0.1, 0.2) }
-        light sun { direction: (1, 3, 2) }
-        scene {
-          plane().paint(tiles),
-          for i in 0..7 { segment_cylinder((-2, 0.3 + 0.21 * i, 0), (2, 0.4 + 0.23 * i, 0.3), 0.006).paint(#c03020) },
-        }";
-    Example { name: "wires".into(), text: text.into() }
+/// Wires that are thinner than the grid of a pixel's rays, before a floor of tiles that are smaller than a pixel far away; and
+/// before a plain one, on which they throw shadows.
+fn wires() -> [Example; 2] {
+    let scene = |floor: &str, name: &str| {
+        Example {
+        name: name.into(),
+        text: format!(
+            "camera {{ eye: (0, 0.6, 3), target: (0, 0.5, 0), fov: 60deg }}
+            material tiles {{ color: checker(p.xz, 0.9, 0.1, 0.2) }}
+            light sun {{ direction: (1, 3, 2), shadow: hard }}
+            scene {{
+              {floor},
+              for i in 0..7 {{ segment_cylinder((-2, 0.3 + 0.21 * i, 0), (2, 0.4 + 0.23 * i, 0.3), 0.006).paint(#c03020) }},
+            }}"
+        ),
+    }
+    };
+    [scene("plane().paint(tiles)", "wires"), scene("plane()", "shadows of wires")]
 }
 
 #[test]
 fn what_tells_where_all_rays_are_needed_is_needed() {
     for (file, from, to) in [
         ("march.sdf", "(skims || s.skims)", "false"),
+        ("hard_shadow.sdf", "met.passed", "false"),
         ("antialias.sdf", "patterned(map, place, normal).pattern > 0", "false"),
         ("antialias.sdf", "seams(map, place, offset / scene.render.tolerance) >= 2", "false"),
         ("antialias.sdf", "< 3 / 255", "< 30 / 255"),

@@ -165,6 +165,9 @@ impl Rebuild {
         let copied = with_parameters(source, &all, self);
         let trivial: Vec<Option<Trivial>> =
             copied.root().results.iter().map(|v| trivial(&copied, *v)).collect();
+        // One that is fixed yields all, or nothing is asked of it.
+        let is_asked = is_fixed && trivial.iter().any(Option::is_none);
+        let trivial = if is_asked { vec![None; trivial.len()] } else { trivial };
         let yields: Vec<bool> = trivial.iter().map(|it| is_fixed || it.is_none()).collect();
         let copied = with_results(&copied, &yields);
         let takes = if is_fixed { all } else { used_parameters(&copied) };

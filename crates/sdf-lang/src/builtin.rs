@@ -304,8 +304,7 @@ static FUNCTIONS: &[BuiltIn] = &[
         e.reflected_box(a, Type::Vec2, span)
     }),
     function("surface", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
-        let asked: &[Column] = if e.bounces { &Column::OF_PATH } else { &Column::OF_SURFACE };
-        surface(e, asked, a, span)
+        surface(e, &Column::OF_SURFACE, a, span)
     }),
     function("patterned", &[("s", SHAPE), ("p", VEC3), ("n", VEC3)], |e, a, span| {
         surface(e, &[Column::Pattern], a, span)

@@ -126,8 +126,8 @@ const EFFECTS: [Row; 19] = [
         leave_out: Some(|e, called, _| {
             e.unseen_columns.insert(Column::Reflect);
             called.set_flag("reflects", false);
-            // What the scene's own shading asks for is the sky.
-            called.set_number("render", "bounces", if called.flag("transmits") { None } else { Some(0.0) });
+            // What the scene's own shading asks for is the sky then.
+            called.set_flag("mirrors_by_call", false);
         }),
     },
     Row {
@@ -154,7 +154,13 @@ const EFFECTS: [Row; 19] = [
         name: "fog",
         is_listed: true,
         needs: Needs::Nothing,
-        find: |e, called| by_setting(e, called, ("fog", "called"), SettingsKind::Fog, &["density"]),
+        find: |e, called| {
+            if called.flag("empty") && !called.is("fog", "colored") {
+                let span = e.span_of_setting(SettingsKind::Fog, "density");
+                return Ok(vec![out("there is nothing but the sky, whose colour it has", span)]);
+            }
+            by_setting(e, called, ("fog", "called"), SettingsKind::Fog, &["density"])
+        },
         leave_out: Some(|_, called, _| {
             called.set("fog", "called", false);
             called.set("fog", "colored", false);
@@ -180,7 +186,7 @@ const EFFECTS: [Row; 19] = [
             Ok(vec![by_word(e, is_in, (SettingsKind::Render, "antialias"), words)])
         },
         leave_out: Some(|_, called, _| {
-            called.set_number("render", "antialias", Some(1.0));
+            called.set_number("render", "antialias", 1.0);
             called.set_flag("patterned", false);
             called.set_flag("sky_is_patterned", false);
         }),
@@ -285,13 +291,13 @@ impl<'t> Elaborator<'t> {
 
     /// Takes those of the effects at these places out of the record of the renderer: the only place that does.
     pub fn leave_out(&mut self, effects: &[Effect], left_out: &[usize], called: &mut Called<'_, 't>) {
-        // From the last on, so that the places of the others stay what they are.
-        let mut places = left_out.to_vec();
-        places.sort_unstable();
-        for effect in places.iter().rev().filter_map(|place| effects.get(*place)).filter(|e| e.is_in) {
-            let row = EFFECTS.iter().find(|row| row.name == effect.name);
-            if let Some(leave_out) = row.and_then(|row| row.leave_out) {
-                leave_out(self, called, &effect.places);
+        for row in &EFFECTS {
+            let is_wanted = |(i, e): &(usize, &Effect)| e.is_in && e.name == row.name && left_out.contains(i);
+            let wanted: Vec<&Effect> = effects.iter().enumerate().filter(is_wanted).map(|(_, e)| e).collect();
+            // All at once: places are those of the whole record.
+            let places: Vec<usize> = wanted.iter().flat_map(|e| e.places.iter().copied()).collect();
+            if let (false, Some(leave_out)) = (wanted.is_empty(), row.leave_out) {
+                leave_out(self, called, &places);
             }
         }
     }

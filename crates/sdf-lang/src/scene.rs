@@ -187,12 +187,8 @@ impl<'t> Elaborator<'t> {
         let smooths = render.is_some_and(|(_, render)| is_antialiased(render));
         let called = |column| self.bounces && columns.contains(&column);
         let is_shaded = self.own_shading().is_some();
-        let is_set = |block: &str, flag: &str| match settings.iter().find(|(name, _)| &**name == block) {
-            Some((_, Value::Record(record))) => record.get(flag).is_some_and(Value::is_true),
-            Some((_, value)) => value.is_true(),
-            None => false,
-        };
-        let is_wide = is_set("camera", "parallel") || is_set("mirrors_by_call", "");
+        let camera = settings.iter().find(|(name, _)| &**name == "camera").map(|(_, camera)| camera);
+        let is_wide = matches!(camera, Some(Value::Record(camera)) if camera.get("parallel").is_some_and(Value::is_true));
         let (reflects, transmits) = (called(Column::Reflect) && !is_shaded, called(Column::Transmit));
         let resolution = self.input("resolution", Type::Vec2, Role::Resolution);
         let mut fields = settings;
@@ -204,7 +200,6 @@ impl<'t> Elaborator<'t> {
             ("reflects", reflects),
             ("transmits", transmits),
             ("goes_on", reflects || transmits),
-            ("asks_for_reflect", self.bounces),
             ("patterned", smooths && patterned),
             ("sky_is_patterned", smooths && self.sky_is_patterned()),
         ] {
@@ -215,7 +210,7 @@ impl<'t> Elaborator<'t> {
         let effects = self.effects(&called, options.view.is_none_or(View::is_lit))?;
         self.leave_out(&effects, &options.left_out, &mut called);
         let transmits = called.flag("transmits");
-        let widens = is_wide || called.flag("goes_on");
+        let widens = is_wide || called.flag("goes_on") || called.flag("mirrors_by_call");
         fields.push((Arc::from("widens"), Value::bool(widens)));
         fields.extend(self.clear_fields(shapes, &solids, transmits, place)?);
         let solids = self.solid_fields(&solids, &fields)?;
@@ -452,9 +447,7 @@ impl<'t> Elaborator<'t> {
                 settings.push(format!("{name} {x}"));
             }
         }
-        // Of a scene that is empty the sky is all that is drawn.
-        let is_empty = scene.get("empty").is_some_and(Value::is_true);
-        Summary { shapes, settings, effects: if is_empty { Vec::new() } else { effects } }
+        Summary { shapes, settings, effects }
     }
 }
 

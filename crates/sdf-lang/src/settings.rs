@@ -200,6 +200,7 @@ impl<'t> Elaborator<'t> {
     /// All settings as the record that the renderer takes.
     pub fn settings(&mut self, options: &Options) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
         let camera = self.camera(options);
+        let render = self.render_settings();
         let lights = self.lights();
         let shading = if lights.is_ok() { self.calls_of_shading() } else { Ok(None) };
         let calls = shading.as_ref().ok().and_then(Option::as_ref);
@@ -207,7 +208,6 @@ impl<'t> Elaborator<'t> {
         let sky = self.sky();
         let fog = self.fog();
         let rim = self.rim();
-        let render = self.render_settings();
         let calls = shading?;
         let shade = self.own_shading().map_or(Value::bool(false), |function| self.shading_function(function));
         Ok(vec![

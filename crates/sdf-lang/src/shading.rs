@@ -4,11 +4,14 @@
 //! `occlusion()` and `reflection()`. Those that it calls are called for, and no others: it is tried once before the renderer is
 //! made.
 
+use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval};
 use crate::names::Meaning;
+use crate::scene::parts_of_union;
+use crate::surface::Column;
 use crate::value::{Callable, Module, Number, Value};
-use sdf_ir::{Constant, Type};
+use sdf_ir::{Binary, Constant, Type};
 use sdf_syntax::tree::Function;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -48,26 +51,41 @@ impl<'t> Elaborator<'t> {
         let result = self.try_shading(function, &calls);
         self.contexts.discard();
         result?;
-        let calls = calls.borrow().clone();
+        let mut calls = calls.borrow().clone();
+        // Without bounces a mirror shows the sky alone.
+        calls.reflection &= self.bounces;
         Ok(Some(calls))
     }
 
+    /// Calls the shading with numbers of which nothing is known, but for what all materials of the scene leave as it is.
     fn try_shading(&mut self, function: &'t Function, calls: &Rc<RefCell<Calls>>) -> Eval<Number> {
+        let mut columns = BTreeSet::new();
+        for part in self.scene_parts.clone().iter().flat_map(parts_of_union) {
+            columns.extend(self.columns_of(&part)?);
+        }
+        let left = Column::ALL.into_iter().filter(|column| !columns.contains(column));
+        let left: Vec<(&str, Constant)> = left.map(|column| (column.name(), column.default())).collect();
         let mut local = |name: &str, ty| Value::Number(self.contexts.entry_parameter(name, ty));
-        let surface = SURFACE.map(|(name, ty)| (Arc::from(name), local(name, ty))).to_vec();
+        let surface = SURFACE.map(|(name, ty)| {
+            let known = left.iter().find(|(other, _)| *other == name);
+            let value =
+                known.map_or_else(|| local(name, ty), |(_, value)| Value::Number(Number::constant(*value)));
+            (Arc::from(name), value)
+        });
         let (visibility, color) = (local("visibility", Type::Float), local("seen", Type::Vec3));
         let direction = local("direction", Type::Vec3);
         let lights = self.light_names.iter().enumerate().filter(|(_, (_, shines))| *shines);
-        let lights = Value::list(
-            (0..lights.count()).map(|i| light(direction.clone(), direction.clone(), i as f64)).collect(),
-        );
-        let mut surface = surface;
+        let count = lights.count();
+        let lights = (0..count).map(|i| light(direction.clone(), direction.clone(), i as f64));
+        let lights = Value::list(lights.collect());
+        let mut surface = surface.to_vec();
         surface.push((Arc::from("lights"), lights.clone()));
         let noted = calls.clone();
         let answer = visibility.clone();
+        let known: Vec<f64> = (-1..count as i32).map(f64::from).collect();
         let shadow =
             native("shadow(light)", "`light` is one of the scene's lights", move |given| match given {
-                [light] => index_of(light).map(|index| {
+                [light] => index_of(light).filter(|index| known.contains(index)).map(|index| {
                     // One that never shines has none.
                     if index >= 0.0 {
                         noted.borrow_mut().shadows.insert(index as usize);
@@ -97,6 +115,7 @@ impl<'t> Elaborator<'t> {
             else {
                 unreachable!("the renderer gives five")
             };
+            let surface = e.with_place_of_file(surface);
             let without_argument = |answer: Value<'t>| {
                 Value::Function(Rc::new(Callable::Native(Rc::new(move |e: &mut Elaborator<'t>, _, _| {
                     e.call_function(&answer, vec![Value::float(0.0)], span)
@@ -107,6 +126,20 @@ impl<'t> Elaborator<'t> {
         }))))
     }
 
+    /// The record of a surface with its place in the coordinates of the file, where the renderer's are others.
+    fn with_place_of_file(&mut self, surface: Value<'t>) -> Value<'t> {
+        let (Some(origin), Value::Record(record)) = (self.origin, &surface) else { return surface };
+        let origin = Number::constant(Constant::Vec3(origin.to_array()));
+        let fields = record.fields.iter().map(|(name, value)| match (&**name, value) {
+            ("p", Value::Number(p)) => {
+                let place = self.contexts.apply(Op::Binary(Binary::Add), &[p.clone(), origin.clone()]);
+                (name.clone(), Value::Number(place))
+            }
+            _ => (name.clone(), value.clone()),
+        });
+        Value::record(fields.collect())
+    }
+
     /// The colour that the scene's own shading gives.
     fn shade(
         &mut self,
@@ -115,8 +148,7 @@ impl<'t> Elaborator<'t> {
         lights: &Value<'t>,
         calls: [Value<'t>; 3],
     ) -> Eval<Number> {
-        let mut arguments = vec![(function.parameters[0].name.text.clone(), surface)];
-        arguments.extend(CALLS.into_iter().map(Arc::from).zip(calls));
+        let mut arguments = Vec::new();
         let Value::List(lights) = lights else { unreachable!("lights are a list") };
         let mut shining = lights.items.iter();
         for (name, shines) in self.light_names.clone() {
@@ -127,6 +159,9 @@ impl<'t> Elaborator<'t> {
                 arguments.push((name, it));
             }
         }
+        // What comes later hides what was before.
+        arguments.extend(CALLS.into_iter().map(Arc::from).zip(calls));
+        arguments.push((function.parameters[0].name.text.clone(), surface));
         let value = self.call_afresh(function, Module::ROOT, &arguments, function.name.span)?;
         self.as_typed(value, Type::Vec3, function.body.span)
     }

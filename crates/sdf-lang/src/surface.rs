@@ -48,12 +48,8 @@ impl Column {
         Column::Ior,
     ];
 
-    /// What decides about light that comes from the surface.
-    pub const OF_SURFACE: [Column; 4] =
-        [Column::Color, Column::Specular, Column::Shininess, Column::Emission];
-
-    /// The same with what decides about rays that go on from it.
-    pub const OF_PATH: [Column; 7] = [
+    /// What decides about light that comes from the surface, and about rays that go on from it.
+    pub const OF_SURFACE: [Column; 7] = [
         Column::Color,
         Column::Specular,
         Column::Shininess,
@@ -541,6 +537,13 @@ impl<'t> Elaborator<'t> {
                 if let Some(reported) = failed {
                     return Err(reported);
                 }
+            }
+        }
+        for (amount, manner) in [(Column::Transmit, Column::Ior), (Column::Glow, Column::GlowRadius)] {
+            let own = values.iter().find(|(column, _)| *column == amount);
+            if own.is_none_or(|(_, value)| value.known() == Some(amount.default())) {
+                // How something is done that is not.
+                values.retain(|(column, _)| *column != manner);
             }
         }
         if values.iter().any(|(_, value)| value.is_local()) {

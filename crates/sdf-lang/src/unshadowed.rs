@@ -15,8 +15,8 @@
 //! What is shown of all pairs for all values of the params and at all times, by intervals, is shown of the scene.
 //!
 //! A soft shadow darkens what a ray passes near by as well, the body itself too. Only over half spaces, from which rays rise
-//! evenly, is it known to be none: the distance at t along a ray is at least `t·(N·l)`, and what is estimated between two
-//! samples at least `1/√2` of that (`runtime/light.sdf`).
+//! evenly, is it known to be none: the distance at t along a ray is at least `t·(N·l)`. A factor of √2 keeps what rounding takes
+//! from that (`runtime/soft_shadow.sdf`) far off.
 //!
 //! A shadow also puts out the highlight where a surface is turned away from the light. As h lies in the middle between l and
 //! the direction v to the eye, `n·h` is at most `sin(θ/2)` there, with θ between l and v. Where that may be seen, and in

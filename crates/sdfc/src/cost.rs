@@ -51,7 +51,7 @@ fn too_costly(span: Span, iterations: u64) -> Diagnostic {
     let message = format!("a pixel of this scene takes up to {iterations} rounds of loops");
     Diagnostic::new(Code::W001, span, message)
         .label(format!("drivers are likely to give up above {ITERATION_LIMIT}"))
-        .help("lower `steps`, `antialias` or the number of lights with shadows")
+        .help("lower `steps`, `antialias`, `bounces` or the number of lights with shadows")
 }
 
 /// What stands at the head of each text. Its lines hold nothing that a user wrote.

@@ -150,6 +150,7 @@ pub fn reflection<'t>(e: &mut Elaborator<'t>, called: &Called<'_, 't>) -> Eval<V
         let span = Some(function.name.span);
         return Ok(vec![match called.flag("mirrors_by_call") {
             true => always("the scene's own shading calls `reflection()`", span),
+            false if !e.bounces => out("`bounces` is 0", e.span_of_setting(SettingsKind::Render, "bounces")),
             false => out(NOT_CALLED, span),
         }]);
     }

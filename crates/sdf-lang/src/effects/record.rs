@@ -40,11 +40,9 @@ impl<'t> Called<'_, 't> {
         }
     }
 
-    /// Sets a number of a block, if there is one to set.
-    pub fn set_number(&mut self, block: &str, name: &str, number: Option<f64>) {
-        if let Some(number) = number {
-            self.replace(block, |record| with(record, name, &Value::float(number)));
-        }
+    /// Sets a number of a block.
+    pub fn set_number(&mut self, block: &str, name: &str, number: f64) {
+        self.replace(block, |record| with(record, name, &Value::float(number)));
     }
 
     fn replace(&mut self, name: &str, change: impl FnOnce(&Value<'t>) -> Value<'t>) {

@@ -53,6 +53,14 @@ fn slug(name: &str) -> String {
     words.collect::<Vec<_>>().join("_").to_lowercase()
 }
 
+/// What the processor is called, and how many there are.
+pub fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let count = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{count} processors, {}", name.map_or("of an unknown kind", |(_, name)| name))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,12 +70,4 @@ mod tests {
         assert_eq!(slug("NVIDIA H100 80GB HBM3"), "nvidia_h100_80gb_hbm3");
         assert_eq!(slug("llvmpipe (LLVM 15.0.6, 256 bits)"), "llvmpipe_llvm_15_0_6_256_bits");
     }
-}
-
-/// What the processor is called, and how many there are.
-pub fn processor() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
-    let count = std::thread::available_parallelism().map_or(1, usize::from);
-    format!("{count} processors, {}", name.map_or("of an unknown kind", |(_, name)| name))
 }

@@ -5,7 +5,7 @@ use sdf_lang::Options;
 use sdf_render::Picture;
 use sdf_tests::agreement::{TOLERANCE, compare};
 use sdf_tests::drawing::{SIZE, buffers, frame_at, on_cpu, shader};
-use sdf_tests::scenes::{Buffers, all_examples, examples, folder, scene};
+use sdf_tests::scenes::{Buffers, all_examples, examples, folder};
 
 /// An example and its picture by the interpreter, with its buffers.
 fn one() -> (Picture, Buffers) {
@@ -53,8 +53,8 @@ fn a_probe_is_not_in_the_text() {
     for example in examples() {
         let text = |probe| {
             let options = Options { probe, ..Options::default() };
-            let program = sdf_ir::legalise(&scene(&example.name, &example.text, &options).program);
-            sdf_emit::emit(&program, Target::Wgsl, &sdf_emit::Header::default()).expect("a text")
+            let compiled = sdfc::compile(&example.name, &example.text, &options, &mut sdfc::Clock::default());
+            compiled.output.expect("a shader").1.text(Target::Wgsl).expect("a text")
         };
         let (with, without) = (text(true), text(false));
         assert!(!with.contains("probe"), "{}", example.name);

@@ -208,6 +208,30 @@ const BLOCKS: &[(&str, &str)] = &[
     ("material", "What a surface looks like; it has a name, or is an expression: `material { … }`."),
 ];
 
+/// What a scene's own shading is, and what it may call.
+const SHADING: [(&str, &str, &str); 4] = [
+    (
+        "shade",
+        "fn shade(surface) = color",
+        "A function of the root file that stands in for the model of surface light. `surface` is a record `(p, n, to_eye, t, color, specular, shininess, emission, reflect, ambient, lights)`; each of `lights`, which are also known by their names, is a record `(direction, distance, color)`.",
+    ),
+    (
+        "shadow",
+        "shadow(light)",
+        "In `shade`: how much of a light arrives, by its own kind of shadow; 1 where it casts none.",
+    ),
+    (
+        "occlusion",
+        "occlusion()",
+        "In `shade`: how open the surroundings are, by the `occlusion` of the ambient light; by all of it where the file does not say.",
+    ),
+    (
+        "reflection",
+        "reflection()",
+        "In `shade`: the light that a mirror would show here; that of the sky after the last bounce.",
+    ),
+];
+
 /// The words that are built in, with what each of them is.
 pub fn glossary() -> Vec<Group> {
     let named = |name: &str, forms: Vec<Form>| Entry { name: name.into(), forms };
@@ -240,8 +264,11 @@ pub fn glossary() -> Vec<Group> {
     let blocks = BLOCKS.iter().map(block).collect();
     let reserved =
         RESERVED.iter().map(|(name, form, summary)| word(&(name, summary), form.to_string())).collect();
+    let shading =
+        SHADING.iter().map(|(name, form, summary)| word(&(name, summary), form.to_string())).collect();
     functions
         .chain([
+            Group { title: "Shading of one's own", entries: shading },
             Group { title: "Words", entries: reserved },
             Group { title: "Constants and inputs", entries: constants },
             Group { title: "Attributes", entries: attributes },
@@ -287,6 +314,8 @@ mod tests {
         compare(of(ATTRIBUTES), words.attributes);
         let reserved = RESERVED.iter().map(|(name, ..)| *name).collect();
         compare(reserved, sdf_syntax::token::RESERVED.iter().copied().chain(["scene"]).collect());
+        let shading = SHADING.iter().map(|(name, ..)| *name).collect();
+        compare(shading, crate::shading::CALLS.into_iter().chain([crate::shading::SHADE]).collect());
         compare(of(BLOCKS), words.blocks.iter().map(|(block, _)| *block).collect());
         for entry in glossary().iter().flat_map(|group| &group.entries) {
             assert!(!entry.forms.is_empty(), "{}", entry.name);

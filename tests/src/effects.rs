@@ -22,7 +22,7 @@ pub struct Shown {
 }
 
 /// The items of the scene of the pictures; a material of its ball and a light that casts no shadow call for nothing.
-const BASE: [&str; 8] = [
+pub const BASE: [&str; 8] = [
     "camera { eye: (2.4, 1.7, 4.6), target: (0, 0.55, 0), fov: 32deg }",
     "light sun { direction: (3, 4, 2) }",
     "ambient { color: 0.25 }",

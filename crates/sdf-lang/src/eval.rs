@@ -89,6 +89,8 @@ pub(crate) struct Elaborator<'t> {
     pub in_loop: bool,
     /// Whether rays go on from what reflects or transmits.
     pub bounces: bool,
+    /// What trades accuracy for time.
+    pub accuracy: crate::Accuracy,
     /// The names of the lights in the order of the source, and whether each ever shines: those that do are the renderer's.
     pub light_names: Vec<(Arc<str>, bool)>,
     /// Whether what is evaluated is inside a `for`.
@@ -150,6 +152,7 @@ impl<'t> Elaborator<'t> {
             is_asking: false,
             in_loop: false,
             bounces: false,
+            accuracy: crate::Accuracy::default(),
             light_names: Vec::new(),
             in_for: false,
             is_trial: false,

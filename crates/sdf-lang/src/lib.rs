@@ -6,6 +6,7 @@
 //! and `runtime/`; nothing here knows a shape's name.
 #![warn(missing_docs)]
 
+mod accuracy;
 mod beside;
 mod builtin;
 mod call;
@@ -53,6 +54,7 @@ mod view;
 mod vocabulary;
 mod walk;
 
+pub use accuracy::{Accuracy, Coordinates, Correction, Normals, Quality};
 pub use effects::Effect;
 pub use facts::{Basis, Class, Copies, Fact};
 pub use glossary::{Group, glossary};
@@ -103,6 +105,13 @@ pub struct Options {
     /// The places in [`Scene::effects`] of those that are left out of the program. It is for measuring alone what they
     /// take: the picture is then not the scene's, and without step correction rays may pass through what is there.
     pub left_out: Vec<usize>,
+    /// The preset that stands for the file's `quality`; the fields of its `render` win over it.
+    pub quality: Option<Quality>,
+    /// What the scene is compiled with in place of all that its `render` says about accuracy.
+    pub accuracy: Option<Accuracy>,
+    /// Whether the scene is to have a [`truth`](Scene::truth). Its other functions are then those of a renderer that only the
+    /// interpreter has time for.
+    pub truth: bool,
     /// How the files that the scene imports are found and read.
     pub imports: Imports,
     /// Files of the compiler for which others stand in, by their names as in `march.sdf`, with their texts: so a test
@@ -149,6 +158,14 @@ pub struct Scene {
     /// normal and colour, the light that arrives there, how many steps the ray took, and 1 if they were too few. The
     /// entry does not call it, so no text has it.
     pub probe: Option<FunctionId>,
+    /// `truth(coordinate: vec2) → color: vec3, depth: float, normal: vec3, lost: float` of what a pixel shows, computed with no
+    /// regard for time, if it was asked for; it is meant for `f64`. The colour is in linear light from 0 to 1, else as
+    /// `probe` has it.
+    pub truth: Option<FunctionId>,
+    /// What trades accuracy for time in the program.
+    pub accuracy: Accuracy,
+    /// The largest slope of the field of what is marched to, in its box: 1 and more.
+    pub slope: f64,
     /// What the truth about pictures is found from, if it was asked for. The entry does not call its functions.
     pub certificate: Option<Certificate>,
     /// What is proved of its shapes, if it was asked for.
@@ -207,7 +224,7 @@ pub fn material_defaults() -> impl Iterator<Item = (&'static str, Constant)> {
 
 /// Compiles a file. `name` is what messages call it.
 pub fn compile(name: &str, text: &str, options: &Options) -> Compilation {
-    let library = library::Library::with(&options.replaced);
+    let library = library::Library::with(options.truth, &options.replaced);
     let mut sources = library.sources(name, text);
     let (tree, mut diagnostics) = sdf_syntax::parse(USER_FILE, text);
     let root_errors = diagnostics.iter().any(|d| d.severity() == Severity::Error);

@@ -52,7 +52,11 @@ const RUNTIME: &[(&str, &str)] = &[
     ("<runtime/probe.sdf>", include_str!("../runtime/probe.sdf")),
     ("<runtime/query.sdf>", include_str!("../runtime/query.sdf")),
     ("<runtime/certificate.sdf>", include_str!("../runtime/certificate.sdf")),
+    (TRUTH, include_str!("../runtime/truth.sdf")),
 ];
+
+/// The file whose functions stand in for those of the renderer where the truth is asked for, and are not there else.
+const TRUTH: &str = "<runtime/truth.sdf>";
 
 /// The files that are part of the compiler.
 #[derive(Debug)]
@@ -64,25 +68,26 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    fn of(std: Vec<(&'static str, &'static str)>, runtime: Vec<(&'static str, &'static str)>) -> Library {
+    fn of(files: Files, truth: bool) -> Library {
+        let (std, runtime) = files.split_at(STD.len());
         let first = 1 + std.len();
-        Library { std: Shelf::of(std, 1), runtime: Shelf::of(runtime, first) }
+        Library { std: Shelf::of(std, 1, truth), runtime: Shelf::of(runtime, first, truth) }
     }
 
-    /// The library as it is, but for files that others stand in for: their names, as in `march.sdf`, with their
-    /// texts. It is never dropped.
-    pub fn with(replaced: &[(String, String)]) -> &'static Library {
+    /// The library as it is, or for finding the `truth`, but for files that others stand in for: their names, as in
+    /// `march.sdf`, with their texts. It is never dropped.
+    pub fn with(truth: bool, replaced: &[(String, String)]) -> &'static Library {
+        static TRUE: OnceLock<Library> = OnceLock::new();
         if replaced.is_empty() {
-            return library();
+            return if truth { TRUE.get_or_init(|| Library::of(&all(), true)) } else { library() };
         }
-        let mut files: Vec<(&'static str, &'static str)> = STD.iter().chain(RUNTIME).copied().collect();
+        let mut files = all();
         for (name, text) in replaced {
             let file = files.iter_mut().find(|file| short_name(file.0) == name);
             let file = file.unwrap_or_else(|| panic!("no file of the compiler is called {name}"));
             file.1 = Box::leak(text.clone().into_boxed_str());
         }
-        let runtime = files.split_off(STD.len());
-        Box::leak(Box::new(Library::of(files, runtime)))
+        Box::leak(Box::new(Library::of(&files, truth)))
     }
 
     /// The user's file as file 0, and after it the files of the compiler.
@@ -96,10 +101,18 @@ impl Library {
     }
 }
 
+/// Files by their names, with their texts.
+type Files<'f> = &'f [(&'static str, &'static str)];
+
+/// All files that are part of the compiler.
+fn all() -> Vec<(&'static str, &'static str)> {
+    STD.iter().chain(RUNTIME).copied().collect()
+}
+
 /// The library as it is.
 pub(crate) fn library() -> &'static Library {
     static LIBRARY: OnceLock<Library> = OnceLock::new();
-    LIBRARY.get_or_init(|| Library::of(STD.to_vec(), RUNTIME.to_vec()))
+    LIBRARY.get_or_init(|| Library::of(&all(), false))
 }
 
 /// The standard library.
@@ -107,9 +120,11 @@ pub(crate) fn std() -> &'static Shelf {
     &library().std
 }
 
-/// The texts of the compiler's files by their names without folders, such as `march.sdf`.
+/// The texts of the compiler's files by their names without folders, such as `march.sdf`; that which the truth is found with is
+/// none of those that pictures are made with.
 pub fn compiler_files() -> impl Iterator<Item = (&'static str, &'static str)> {
-    STD.iter().chain(RUNTIME).map(|(name, text)| (short_name(name), *text))
+    let files = STD.iter().chain(RUNTIME).filter(|(name, _)| *name != TRUTH);
+    files.map(|(name, text)| (short_name(name), *text))
 }
 
 /// Whether a file is part of the compiler.
@@ -158,14 +173,21 @@ struct Piece {
 }
 
 impl Shelf {
-    fn of(texts: Vec<(&'static str, &'static str)>, first: usize) -> Shelf {
+    fn of(texts: Files, first: usize, truth: bool) -> Shelf {
         let mut shelf = Shelf { files: Vec::new(), items: Vec::new(), by_name: FxHashMap::default() };
-        for (file, (name, text)) in texts.into_iter().enumerate() {
+        for (file, &(name, text)) in texts.iter().enumerate() {
             shelf.files.push(LibraryFile { id: FileId((first + file) as u16), name, text });
+            let stands_in = name == TRUTH;
             for Outlined { range, name, is_documented } in outlined(text) {
-                let functions = shelf.by_name.entry(name).or_default();
+                let mut functions = match stands_in {
+                    true => Functions::default(),
+                    false => shelf.by_name.remove(name).unwrap_or_default(),
+                };
                 functions.places.push(shelf.items.len());
                 functions.is_public |= is_documented;
+                if truth || !stands_in {
+                    shelf.by_name.insert(name, functions);
+                }
                 let (parsed, contract) = (OnceLock::new(), OnceLock::new());
                 shelf.items.push(Piece { file, range, parsed, contract });
             }
@@ -292,8 +314,9 @@ mod tests {
     /// What the lines show is what the parser finds in the whole file, place by place.
     #[test]
     fn pieces_are_the_items_of_the_file() {
-        for shelf in [std(), &library().runtime] {
-            for file in shelf.files() {
+        for shelf in [std(), &library().runtime, &Library::with(true, &[]).runtime] {
+            let is_true = std::ptr::eq(shelf, &Library::with(true, &[]).runtime);
+            for file in shelf.files().iter().filter(|file| (file.name == TRUTH) == is_true) {
                 let (whole, diagnostics) = sdf_syntax::parse(file.id, file.text);
                 assert!(diagnostics.is_empty(), "{}: {diagnostics:?}", file.name);
                 let pieces: Vec<&Item> = shelf.items_of(file).collect();

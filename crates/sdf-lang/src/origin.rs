@@ -2,6 +2,7 @@
 //! small beside what is far away. What moves the scene and what moves the camera is known as a constant, so the difference
 //! is folded in `f64`, and nothing is left to compute.
 
+use crate::accuracy::Coordinates;
 use crate::eval::{Elaborator, Eval};
 use crate::scene::parts_of_union;
 use crate::value::{Number, Repr, Shape, Value};
@@ -20,11 +21,16 @@ const REMOTE: f64 = 64.0;
 
 impl<'t> Elaborator<'t> {
     /// The place that coordinates are relative to, if it is not the origin: where the eye is at time 0 with the params'
-    /// defaults, if it is far from the origin beside what it looks at.
-    pub fn find_origin(&self, settings: &[(Arc<str>, Value<'t>)]) -> Option<DVec3> {
+    /// defaults, if it is far from the origin beside what it looks at, or if all coordinates are to be relative to it.
+    pub fn find_origin(&self, settings: &[(Arc<str>, Value<'t>)], coordinates: Coordinates) -> Option<DVec3> {
         let place = |name: &str| self.setting_at_defaults(settings, "camera", name).map(DVec3::from_array);
         let (eye, target) = (place("eye")?, place("target")?);
-        (eye.length() > FAR * eye.distance(target)).then_some(eye)
+        let is_wanted = match coordinates {
+            Coordinates::Chosen => eye.length() > FAR * eye.distance(target),
+            Coordinates::World => false,
+            Coordinates::Camera => true,
+        };
+        is_wanted.then_some(eye)
     }
 
     /// Whether a shape's numbers stand for a place so far from the origin that they must be folded with where coordinates

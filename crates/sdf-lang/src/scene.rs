@@ -1,5 +1,6 @@
 //! A file as a scene: its shapes, its settings, and the renderer round them.
 
+use crate::accuracy::{Accuracy, Correction};
 use crate::effects::{self, Called, Effect};
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported, name_shape};
@@ -41,19 +42,39 @@ pub(crate) fn elaborate(
             (program.entry, program.is_tiny) = (Some(made.pixel), made.is_tiny);
             let asked = made.query.map_or(Vec::new(), |q| vec![q.distance, q.gradient, q.material]);
             let certified = made.certificate.map_or(Vec::new(), |c| vec![c.ray, c.step]);
-            let roots: Vec<_> =
-                made.map.into_iter().chain(made.probe).chain(asked).chain(certified).collect();
+            let roots: Vec<_> = made
+                .map
+                .into_iter()
+                .chain(made.probe)
+                .chain(made.truth)
+                .chain(asked)
+                .chain(certified)
+                .collect();
             let (program, kept) = sdf_ir::simplify(&program, &roots);
             debug_assert_eq!(sdf_ir::verify(&program), Ok(()));
             let mut kept = kept.into_iter();
             let mut next = || kept.next().unwrap_or_else(|| unreachable!("a root is kept"));
             let map = made.map.map(|_| next());
             let probe = made.probe.map(|_| next());
+            let truth = made.truth.map(|_| next());
             let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
             let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
-            let (facts, summary, mut effects) = (made.facts, made.summary, made.effects);
+            let Made { origin, accuracy, slope, facts, summary, mut effects, .. } = made;
             effects::settle_inputs(&mut effects, &program);
-            Scene { origin: made.origin, map, probe, query, certificate, program, facts, effects, summary }
+            Scene {
+                origin,
+                map,
+                probe,
+                truth,
+                query,
+                certificate,
+                program,
+                accuracy,
+                slope,
+                facts,
+                effects,
+                summary,
+            }
         });
     let scene = scene.filter(|scene| {
         let fits = scene.map.is_none_or(|map| operations(&scene.program, map) <= OPERATION_LIMIT);
@@ -93,6 +114,9 @@ struct Made {
     map: Option<FunctionId>,
     pixel: FunctionId,
     probe: Option<FunctionId>,
+    truth: Option<FunctionId>,
+    accuracy: Accuracy,
+    slope: f64,
     facts: Vec<Fact>,
     effects: Vec<Effect>,
     query: Option<Query>,
@@ -111,6 +135,8 @@ struct Rendered<'t> {
     is_tiny: bool,
     /// All effects, those that are left out too.
     effects: Vec<Effect>,
+    /// How steep what is marched to is, in its box.
+    slope: f64,
 }
 
 impl<'t> Elaborator<'t> {
@@ -137,7 +163,7 @@ impl<'t> Elaborator<'t> {
         self.warn_beyond_far(&shapes, &settings, first_word(place))?;
         let settings = self.without_idle_shadows(&union, settings)?;
         let count = shapes.len();
-        let origin = self.find_origin(&settings);
+        let origin = self.find_origin(&settings, self.accuracy.coordinates);
         let query = match origin {
             Some(_) if options.query => {
                 let unseen = Options { view: None, ..options.clone() };
@@ -151,10 +177,12 @@ impl<'t> Elaborator<'t> {
             Some(origin) => (self.shapes_from(origin, &shapes)?, self.settings_from(origin, settings)?),
             None => (shapes, settings),
         };
-        let Rendered { scene, map, is_tiny, effects } = self.renderer(&shapes, settings, options, place)?;
+        let Rendered { scene, map, is_tiny, effects, slope } =
+            self.renderer(&shapes, settings, options, place)?;
         let summary = self.summary(&scene, count, effects::listed(&effects, &options.left_out));
         let pixel = self.entry(options.view.map_or("pixel", View::entry), COORDINATE, &scene)?;
         let probe = if options.probe { Some(self.entry("probe", COORDINATE, &scene)?) } else { None };
+        let truth = if options.truth { Some(self.entry("truth", COORDINATE, &scene)?) } else { None };
         let query = match query {
             None if options.query => Some(self.query(&scene)?),
             query => query,
@@ -168,7 +196,22 @@ impl<'t> Elaborator<'t> {
             _ => None,
         };
         let origin = self.origin.unwrap_or_default().to_array();
-        Ok(Made { origin, map: map_id, pixel, probe, query, certificate, facts, effects, summary, is_tiny })
+        let accuracy = self.accuracy;
+        Ok(Made {
+            origin,
+            map: map_id,
+            pixel,
+            probe,
+            truth,
+            accuracy,
+            slope,
+            query,
+            certificate,
+            facts,
+            effects,
+            summary,
+            is_tiny,
+        })
     }
 
     /// The record that the renderer takes.
@@ -182,6 +225,10 @@ impl<'t> Elaborator<'t> {
         self.unseen_columns.clear();
         let mut solids = self.solids(shapes, place)?;
         let (map, is_tiny) = (solids.map.clone(), solids.are_tiny());
+        let slope = match solids.rest().cloned() {
+            Some(rest) => self.slope_of(&rest)?.within.max(1.0),
+            None => 1.0,
+        };
         let (glows, columns) = self.glows(shapes)?;
         let render = settings.iter().find(|(name, _)| &**name == "render");
         let smooths = render.is_some_and(|(_, render)| is_antialiased(render));
@@ -209,6 +256,9 @@ impl<'t> Elaborator<'t> {
         let mut called = Called { fields: &mut fields, solids: &mut solids };
         let effects = self.effects(&called, options.view.is_none_or(View::is_lit))?;
         self.leave_out(&effects, &options.left_out, &mut called);
+        if self.accuracy.correction != Correction::Derived {
+            called.take_whole_steps();
+        }
         let transmits = called.flag("transmits");
         let widens = is_wide || called.flag("goes_on") || called.flag("mirrors_by_call");
         fields.push((Arc::from("widens"), Value::bool(widens)));
@@ -218,7 +268,7 @@ impl<'t> Elaborator<'t> {
         if options.view == Some(View::Depth) {
             fields.push((Arc::from("ball"), self.ball_record()));
         }
-        Ok(Rendered { scene: Value::record(fields), map, is_tiny, effects })
+        Ok(Rendered { scene: Value::record(fields), map, is_tiny, effects, slope })
     }
 
     /// Whether the sky's colours are more than a gradient.

@@ -1,6 +1,7 @@
 //! The blocks of settings: checked, completed with defaults, and handed to the renderer as records.
 
 use crate::Options;
+use crate::accuracy::{Accuracy, Correction, Normals, Quality};
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
@@ -23,8 +24,19 @@ const AMBIENT: &[&str] = &["color", "occlusion", "radius"];
 const SKY: &[&str] = &["color", "horizon", "zenith"];
 const FOG: &[&str] = &["color", "density"];
 const RIM: &[&str] = &["color", "power"];
-const RENDER: &[&str] =
-    &["tolerance", "steps", "far", "normals", "relax", "bounces", "antialias", "tonemap", "quality"];
+const RENDER: &[&str] = &[
+    "tolerance",
+    "steps",
+    "far",
+    "normals",
+    "relax",
+    "shadow_accuracy",
+    "occlusion_samples",
+    "bounces",
+    "antialias",
+    "tonemap",
+    "quality",
+];
 
 /// The blocks that have one record of fields, by their words.
 pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
@@ -37,33 +49,39 @@ pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
     ("render", RENDER),
 ];
 
-/// What the numbers of `render` are where a file does not say.
-const RENDER_NUMBERS: [(&str, f64); 5] =
-    [("tolerance", 0.1), ("steps", 256.0), ("far", 100.0), ("bounces", 2.0), ("antialias", 1.0)];
+/// How far rays go where a file does not say, and how often they go on.
+const DEFAULT_FAR: f64 = 100.0;
+const DEFAULT_BOUNCES: f64 = 2.0;
 
 /// What `projection` of the camera may be.
 const PROJECTIONS: &[&str] = &["perspective", "orthographic"];
 
-/// The words that settings of `render` may be; the first is what they are where a file does not say.
-const RENDER_WORDS: [(&str, &[&str]); 3] = [
-    ("normals", &["exact", "tetrahedron", "central"]),
-    ("relax", &["auto", "none"]),
-    ("tonemap", &["none", "aces"]),
-];
+/// What `relax` may be.
+const RELAX: [&str; 2] = ["auto", "none"];
+
+/// What `tonemap` may be; the first is what it is where a file does not say.
+const TONEMAPS: [&str; 2] = ["none", "aces"];
 
 /// What a setting of a block is where a file does not say, as it is written, if that is a number or a word of `render`.
 pub(crate) fn default_of(block: &str, name: &str) -> Option<String> {
     if block != "render" {
         return None;
     }
-    let number = RENDER_NUMBERS.iter().find(|(other, _)| *other == name).map(|(_, x)| x.to_string());
-    number.or_else(|| RENDER_WORDS.iter().find(|(other, _)| *other == name).map(|(_, words)| words[0].into()))
-}
-
-/// A row of a table, by its name.
-fn row<T: Copy>(table: &[(&str, T)], name: &str) -> T {
-    let row = table.iter().find(|(other, _)| *other == name);
-    row.unwrap_or_else(|| unreachable!("`{name}` has a default")).1
+    let default = Accuracy::default();
+    Some(match name {
+        "tolerance" => default.tolerance.to_string(),
+        "steps" => default.steps.to_string(),
+        "far" => DEFAULT_FAR.to_string(),
+        "normals" => default.normals.word().into(),
+        "relax" => RELAX[usize::from(!default.relax)].into(),
+        "shadow_accuracy" => default.shadow_accuracy.to_string(),
+        "occlusion_samples" => default.occlusion_samples.to_string(),
+        "bounces" => DEFAULT_BOUNCES.to_string(),
+        "antialias" => default.antialias.to_string(),
+        "tonemap" => TONEMAPS[0].into(),
+        "quality" => Quality::Balanced.word().into(),
+        _ => return None,
+    })
 }
 
 /// The values that settings may have.
@@ -80,6 +98,14 @@ const STEPS: Range = Range {
 const FAR: Range = Range { accepts: |x| (1e-6..=1e18).contains(&x), words: "1e-6 to 1e18" };
 const ANTIALIAS: Range =
     Range { accepts: |x| (1.0..=8.0).contains(&x) && x.fract() == 0.0, words: "a whole number from 1 to 8" };
+const SHADOW_ACCURACY: Range = Range {
+    accepts: |x| (1e-4..=1.0).contains(&x),
+    words: "0.0001 to 1, the share of the light that may be missed",
+};
+const OCCLUSION_SAMPLES: Range = Range {
+    accepts: |x| (1.0..=256.0).contains(&x) && x.fract() == 0.0,
+    words: "a whole number from 1 to 256",
+};
 const BOUNCES: Range = Range {
     accepts: |x| (0.0..=16.0).contains(&x) && x.fract() == 0.0,
     words: "a whole number from 0 to 16",
@@ -174,9 +200,15 @@ impl<'t> Elaborator<'t> {
         Ok(x)
     }
 
-    /// The word that a field is set to, one of `words`; the first is the default.
-    fn word_setting(&mut self, block: &Block<'t>, name: &str, words: &[&'static str]) -> Eval<&'static str> {
-        let Some(expr) = block.fields.get(name) else { return Ok(words[0]) };
+    /// The word that a field is set to, one of `words`.
+    fn word_setting(
+        &mut self,
+        block: &Block<'t>,
+        name: &str,
+        words: &[&'static str],
+        default: &'static str,
+    ) -> Eval<&'static str> {
+        let Some(expr) = block.fields.get(name) else { return Ok(default) };
         if let ExprKind::Name(word) = &expr.kind
             && let Some(known) = words.iter().find(|w| **w == &**word)
         {
@@ -189,18 +221,10 @@ impl<'t> Elaborator<'t> {
         self.report(errors::wrong_word(expr.span, name, similar, words))
     }
 
-    /// An effect that nothing draws yet must not be called for.
-    fn refuse(&mut self, block: &Block<'t>, name: &str, what: &str, instead: &str) -> Eval<()> {
-        match block.fields.get(name) {
-            None => Ok(()),
-            Some(expr) => self.report(errors::not_built_yet(expr.span, what, instead)),
-        }
-    }
-
     /// All settings as the record that the renderer takes.
     pub fn settings(&mut self, options: &Options) -> Eval<Vec<(Arc<str>, Value<'t>)>> {
         let camera = self.camera(options);
-        let render = self.render_settings();
+        let render = self.render_settings(options);
         let lights = self.lights();
         let shading = if lights.is_ok() { self.calls_of_shading() } else { Ok(None) };
         let calls = shading.as_ref().ok().and_then(Option::as_ref);
@@ -226,7 +250,7 @@ impl<'t> Elaborator<'t> {
 
     fn camera(&mut self, options: &Options) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Camera, "camera", CAMERA);
-        let projection = self.word_setting(&block, "projection", PROJECTIONS);
+        let projection = self.word_setting(&block, "projection", PROJECTIONS, PROJECTIONS[0]);
         let target = self.number_setting(&block, "target", Constant::Vec3([0.0; 3]));
         let up = self.number_setting(&block, "up", Constant::Vec3([0.0, 1.0, 0.0]));
         let fov = self.ranged_setting(&block, "fov", Constant::Float(FRAC_PI_4), FIELD_OF_VIEW);
@@ -519,38 +543,71 @@ impl<'t> Elaborator<'t> {
         Value::Number(self.contexts.uniform(Uniform { name, ty: Type::Float, role: Role::Setting, default }))
     }
 
-    fn render_settings(&mut self) -> Eval<Value<'t>> {
+    fn render_settings(&mut self, options: &Options) -> Eval<Value<'t>> {
         let block = self.settings_block(SettingsKind::Render, "render", RENDER);
         // All are looked at before the first mistake ends it, so that all mistakes are reported.
-        let number = |name| row(&RENDER_NUMBERS, name);
-        let word = |name| row(&RENDER_WORDS, name);
-        let tolerance = self.static_setting(&block, "tolerance", number("tolerance"), TOLERANCE);
-        let steps = self.static_setting(&block, "steps", number("steps"), STEPS);
+        let own = self.accuracy_settings(&block, options);
         // A camera that frames a large scene stands far away from it.
-        let default_far = self.framed.map_or(number("far"), |reach| reach.max(number("far")));
+        let default_far = self.framed.map_or(DEFAULT_FAR, |reach| reach.max(DEFAULT_FAR));
         let far = self.static_setting(&block, "far", default_far, FAR);
-        let normals = self.word_setting(&block, "normals", word("normals"));
-        let relax = self.word_setting(&block, "relax", word("relax"));
-        let tonemap = self.word_setting(&block, "tonemap", word("tonemap"));
-        let antialias = self.static_setting(&block, "antialias", number("antialias"), ANTIALIAS);
-        let bounces = self.static_setting(&block, "bounces", number("bounces"), BOUNCES);
-        let quality = self.word_setting(&block, "quality", &["draft", "balanced", "fine", "exact"]);
-        let (tolerance, steps, far, normals) = (tolerance?, steps?, far?, normals?);
-        let (relax, tonemap, antialias, bounces) = (relax?, tonemap?, antialias?, bounces?);
-        quality?;
+        let tonemap = self.word_setting(&block, "tonemap", &TONEMAPS, TONEMAPS[0]);
+        let bounces = self.static_setting(&block, "bounces", DEFAULT_BOUNCES, BOUNCES);
+        let (own, far, tonemap, bounces) = (own?, far?, tonemap?, bounces?);
         self.bounces = bounces > 0.0;
-        self.refuse(&block, "quality", "a preset of quality", "set `tolerance` and `steps` for now")?;
+        let accuracy = options.accuracy.unwrap_or(own);
+        self.accuracy = accuracy;
+        let factor = match accuracy.correction {
+            Correction::Derived => None,
+            Correction::Factor(factor) => Some(factor),
+        };
         Ok(Value::record(vec![
-            (Arc::from("tolerance"), self.named_constant("tolerance", tolerance)),
-            (Arc::from("steps"), Value::float(steps)),
+            (Arc::from("tolerance"), self.named_constant("tolerance", accuracy.tolerance)),
+            (Arc::from("steps"), Value::float(accuracy.steps.into())),
             (Arc::from("far"), self.named_constant("far", far)),
-            (Arc::from("relax"), Value::bool(relax == "auto")),
+            (Arc::from("relax"), Value::bool(accuracy.relax)),
             (Arc::from("aces"), Value::bool(tonemap == "aces")),
-            (Arc::from("central"), Value::bool(normals == "central")),
-            (Arc::from("tetrahedron"), Value::bool(normals == "tetrahedron")),
-            (Arc::from("antialias"), Value::float(antialias)),
+            (Arc::from("central"), Value::bool(accuracy.normals == Normals::Central)),
+            (Arc::from("tetrahedron"), Value::bool(accuracy.normals == Normals::Tetrahedron)),
+            (Arc::from("shadow_accuracy"), self.named_constant("shadow_accuracy", accuracy.shadow_accuracy)),
+            (Arc::from("occlusion_samples"), Value::float(accuracy.occlusion_samples.into())),
+            (Arc::from("antialias"), Value::float(accuracy.antialias.into())),
             (Arc::from("bounces"), Value::float(bounces)),
+            (Arc::from("scaled"), Value::bool(factor.is_some_and(|factor| factor != 1.0))),
+            (Arc::from("factor"), Value::float(factor.unwrap_or(1.0))),
         ]))
+    }
+
+    /// What a block `render` says about accuracy: a preset, of which its other fields may change some.
+    fn accuracy_settings(&mut self, block: &Block<'t>, options: &Options) -> Eval<Accuracy> {
+        let qualities = Quality::ALL.map(Quality::word);
+        let quality = self.word_setting(block, "quality", &qualities, Quality::Balanced.word());
+        let preset = quality.map(|word| {
+            let own = Quality::ALL.into_iter().find(|quality| quality.word() == word);
+            options.quality.or(own).unwrap_or(Quality::Balanced).accuracy()
+        });
+        let default = preset.unwrap_or_default();
+        let tolerance = self.static_setting(block, "tolerance", default.tolerance, TOLERANCE);
+        let steps = self.static_setting(block, "steps", default.steps.into(), STEPS);
+        let normals =
+            self.word_setting(block, "normals", &Normals::ALL.map(Normals::word), default.normals.word());
+        let relax = self.word_setting(block, "relax", &RELAX, RELAX[usize::from(!default.relax)]);
+        let shadow_accuracy =
+            self.static_setting(block, "shadow_accuracy", default.shadow_accuracy, SHADOW_ACCURACY);
+        let samples = default.occlusion_samples.into();
+        let occlusion_samples = self.static_setting(block, "occlusion_samples", samples, OCCLUSION_SAMPLES);
+        let antialias = self.static_setting(block, "antialias", default.antialias.into(), ANTIALIAS);
+        preset?;
+        let normals = normals?;
+        Ok(Accuracy {
+            tolerance: tolerance?,
+            steps: steps? as u32,
+            relax: relax? == RELAX[0],
+            normals: Normals::ALL.into_iter().find(|kind| kind.word() == normals).unwrap_or(default.normals),
+            shadow_accuracy: shadow_accuracy?,
+            occlusion_samples: occlusion_samples? as u32,
+            antialias: antialias? as u32,
+            ..default
+        })
     }
 }
 

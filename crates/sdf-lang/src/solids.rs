@@ -136,7 +136,9 @@ impl<'t> Elaborator<'t> {
         let goes_through = settings.iter().any(|(name, value)| &**name == "transmits" && value.is_true());
         let inside = goes_through || self.may_be_inside(map, &record("camera"))?;
         let rest = solids.rest.clone().unwrap_or_else(|| map.clone());
-        let relaxed = record("render").get("relax").is_some_and(Value::is_true);
+        let render = record("render");
+        let relaxed = render.get("relax").is_some_and(Value::is_true);
+        let is_scaled = render.get("scaled").is_some_and(Value::is_true);
         let slope = self.slope_of(&rest)?;
         let is_exact = slope.quality == Some(Quality::Exact);
         let corners = corners(&solids.extent);
@@ -154,7 +156,10 @@ impl<'t> Elaborator<'t> {
             (Arc::from("hi"), Value::Number(hi)),
             (
                 Arc::from("steep"),
-                Value::bool(solids.rest.is_some() && !solids.takes_whole_steps && slope.everywhere > 1.0),
+                Value::bool(
+                    solids.rest.is_some()
+                        && (is_scaled || !solids.takes_whole_steps && slope.everywhere > 1.0),
+                ),
             ),
             (Arc::from("relaxed"), Value::bool(solids.rest.is_some() && relaxed)),
             (Arc::from("inside"), Value::bool(inside)),

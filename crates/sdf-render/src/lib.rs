@@ -6,6 +6,7 @@
 #![warn(missing_docs)]
 
 pub mod certify;
+pub mod columns;
 pub mod cpu;
 pub mod frame;
 #[cfg(feature = "gpu")]

@@ -71,6 +71,8 @@ pub enum Command {
     Query(QueryArguments),
     /// Say what a scene calls for and what that takes; or what the code of a message means
     Explain(ExplainArguments),
+    /// Measure what accuracy costs in time: settings from draft to exact, each against the truth
+    Cost(CostArguments),
     /// Say what a function of the library, or another word of the language, does; or list them all
     Doc(DocArguments),
 }
@@ -208,6 +210,35 @@ pub struct ExplainArguments {
     /// Print an object of JSON, with all shapes and all digits
     #[arg(long)]
     pub json: bool,
+    /// Values of params.
+    #[command(flatten)]
+    pub set: SetArguments,
+    /// Print how long each stage took
+    #[arg(long)]
+    pub timings: bool,
+}
+
+/// `sdfc cost SCENE`
+#[derive(Debug, Args)]
+pub struct CostArguments {
+    /// The scene; `-` reads standard input
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// The size of the picture that is measured, in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "320x180", value_parser = size)]
+    pub size: (u32, u32),
+    /// The time in seconds, at least 0
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = seconds, allow_negative_numbers = true)]
+    pub time: f64,
+    /// What is timed: `auto`, `gpu`, `cpu`, or a part of a graphics device's name
+    #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
+    pub device: Device,
+    /// For about how long pictures are timed, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
+    pub budget: f64,
+    /// Take no times: what is printed is then the same on every machine
+    #[arg(long)]
+    pub no_time: bool,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,

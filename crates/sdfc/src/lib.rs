@@ -12,6 +12,7 @@ mod files;
 mod measured;
 mod price;
 mod race;
+pub mod tradeoff;
 
 pub use clock::Clock;
 pub use cost::{Cost, ITERATION_LIMIT, scene_word};
@@ -23,7 +24,7 @@ pub use price::{Evaluations, Variant, without};
 pub use race::{Lap, Race, race};
 pub use sdf_emit::{Format, Target};
 pub use sdf_ir::Constant;
-pub use sdf_lang::{Basis, Class, Copies, Effect, Fact, Options, Scene, View};
+pub use sdf_lang::{Accuracy, Basis, Class, Copies, Effect, Fact, Options, Quality, Scene, View};
 pub use sdf_render::{Frame, Picture};
 
 use sdf_emit::Header;
@@ -84,7 +85,11 @@ pub fn compile(name: &str, text: &str, options: &Options, clock: &mut Clock) -> 
 
 /// The program of a scene's pictures. Functions that only questions call would else have a say in what the others yield.
 fn drawn(scene: &Scene) -> std::borrow::Cow<'_, Program> {
-    match scene.query.is_some() || scene.probe.is_some() || scene.certificate.is_some() {
+    match scene.query.is_some()
+        || scene.probe.is_some()
+        || scene.truth.is_some()
+        || scene.certificate.is_some()
+    {
         true => std::borrow::Cow::Owned(sdf_ir::simplify(&scene.program, &[]).0),
         false => std::borrow::Cow::Borrowed(&scene.program),
     }

@@ -19,6 +19,7 @@ mod progress;
 mod query;
 mod render;
 mod terminal;
+mod tradeoffs;
 
 use arguments::{Arguments, Command, CompileArguments};
 use clap::{CommandFactory, Parser};
@@ -68,6 +69,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<(), Failure> {
         Command::Check(arguments) => check::run(arguments, terminal),
         Command::Query(arguments) => query::run(arguments, terminal),
         Command::Explain(wanted) => explain::run(wanted, &arguments.messages, terminal),
+        Command::Cost(arguments) => tradeoffs::run(arguments, terminal),
         Command::Doc(wanted) => doc::run(wanted, &arguments.messages),
     }
 }

@@ -6,6 +6,8 @@
 
 use crate::draw::{Device, DrawError, Progress};
 use crate::{Frame, Shader};
+#[cfg(feature = "gpu")]
+use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// How often a device that has a clock draws a picture in one round: enough that a round is long beside what its clock
@@ -39,6 +41,8 @@ pub struct Race {
 pub struct Lap {
     /// The time of a picture, in the median.
     pub time: Duration,
+    /// How far the quartiles of the times are apart.
+    pub spread: Duration,
     /// The time as a multiple of the first contestant's in the same round: the lower quartile, the median and the upper
     /// quartile.
     pub ratio: [f64; 3],
@@ -106,19 +110,21 @@ fn on_gpu(
     let (begin, gpu) = (Instant::now(), open(device)?);
     let size = [frame.width, frame.height];
     let draw = |prepared: &Prepared| prepared.draw(size[0].max(size[1]), &mut |_, _| {}).map_err(failed);
-    let mut prepared: Vec<Option<Prepared>> = Vec::new();
-    for shader in shaders {
-        if !prepared.is_empty() && begin.elapsed() > budget.mul_f64(WARMING) {
-            prepared.push(None);
-            continue;
+    let tell = || progress((begin.elapsed().as_secs_f64() / budget.as_secs_f64().max(1e-3)).min(1.0));
+    let prepare = |(i, shader): (usize, &&Shader)| -> Result<Option<Prepared>, DrawError> {
+        if i > 0 && begin.elapsed() > budget.mul_f64(WARMING) {
+            return Ok(None);
         }
         let text = shader.text(crate::Target::Wgsl).map_err(DrawError::Shader)?;
         let ready = gpu.prepare(Source::Wgsl(&text), size, &shader.uniforms(frame)).map_err(failed)?;
         // The driver compiles at the first picture.
         draw(&ready)?;
-        prepared.push(Some(ready));
-        progress((begin.elapsed().as_secs_f64() / budget.as_secs_f64().max(1e-3)).min(1.0));
-    }
+        tell();
+        Ok(Some(ready))
+    };
+    // Some drivers take seconds for a shader.
+    let prepared: Vec<Option<Prepared>> =
+        shaders.par_iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
     let is_ready = |i: &usize| prepared[*i].is_some();
     let ready: Vec<usize> = (0..shaders.len()).filter(is_ready).collect();
     let of = |i: usize| prepared[i].as_ref().expect("those that are ready were prepared");
@@ -182,8 +188,8 @@ fn told(
     let mut out = vec![None; contestants];
     for (contestant, own) in &laps {
         let ratios: Vec<f64> = own.iter().zip(&first).map(|(a, b)| a / b).collect();
-        let time = Duration::from_secs_f64(quartiles(own.clone())[1]);
-        out[*contestant] = Some(Lap { time, ratio: quartiles(ratios) });
+        let [low, middle, high] = quartiles(own.clone()).map(Duration::from_secs_f64);
+        out[*contestant] = Some(Lap { time: middle, spread: high - low, ratio: quartiles(ratios) });
     }
     let size = (frame.width, frame.height);
     Race { device, fallback, clock, size, rounds: first.len(), laps: out }

@@ -22,7 +22,7 @@ pub use conditions::{conditions, weights};
 pub use first_hit::Truth;
 pub use judge::{Found, Verdict};
 pub use normal::Normal;
-pub use picture::{Picture, Places, Report, interpreted};
+pub use picture::{Picture, Places, Report, found, interpreted};
 pub use ray::Ray;
 
 use crate::Frame;

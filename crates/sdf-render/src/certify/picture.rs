@@ -3,8 +3,8 @@
 use super::judge::{Found, Verdict};
 use super::{Certifier, Prover, Ray, Step, Truth, moved, normal};
 use crate::Frame;
+use crate::columns::{Columns, coordinates};
 use rayon::prelude::*;
-use sdf_ir::eval::{Tape, run_parallel};
 use sdf_ir::{FunctionId, Program};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -213,30 +213,18 @@ fn share(number: u64) -> f64 {
 /// What the interpreter finds at each pixel, row by row from the top, in `f32` as shaders compute it. The function is
 /// `coordinate: vec2 → …` with results `depth: float`, `normal: vec3` and `lost: float` among others.
 pub fn interpreted(program: &Program, probe: FunctionId, frame: &Frame) -> Vec<Found> {
-    let program = Program { entry: Some(probe), ..program.clone() };
-    let program = sdf_ir::legalise(&sdf_ir::simplify(&program, &[]).0);
-    let probe = program.entry.expect("the entry is kept");
-    let tape = Tape::compile(&program, probe);
-    let (width, height) = (frame.width as usize, frame.height as usize);
-    let count = width * height;
-    let x: Vec<f32> = (0..count).map(|i| (i % width) as f32 + 0.5).collect();
-    let y: Vec<f32> = (0..count).map(|i| (height - 1 - i / width) as f32 + 0.5).collect();
-    let mut outputs = vec![vec![0.0f32; count]; tape.output_count()];
-    let mut slices: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
-    run_parallel(&tape, &frame.uniforms(&program), &[&x, &y], &mut slices);
-    let [depth, normal, lost] = ["depth", "normal", "lost"].map(|name| column(&program, probe, name));
-    let found = |i: usize| Found {
-        depth: outputs[depth][i],
-        normal: [0, 1, 2].map(|k| outputs[normal + k][i]),
-        lost: outputs[lost][i] != 0.0,
-    };
-    (0..count).map(found).collect()
+    let probe = Columns::of_shader(program, probe);
+    let (columns, _) = probe.at::<f32>(frame, &coordinates(frame, [0.0; 2]), &|_| {});
+    found(&probe, &columns)
 }
 
-/// The first column of a result of a function, by its name.
-fn column(program: &Program, function: FunctionId, name: &str) -> usize {
-    let function = program.function(function);
-    let index = function.result_names.iter().position(|result| &**result == name);
-    let index = index.unwrap_or_else(|| panic!("`{}` has a result `{name}`", function.name));
-    function.result_types()[..index].iter().map(|ty| ty.size()).sum()
+/// What was found at each pixel, from the columns of a function as [`interpreted`] takes it.
+pub fn found(probe: &Columns, columns: &[Vec<f32>]) -> Vec<Found> {
+    let [depth, normal, lost] = ["depth", "normal", "lost"].map(|name| probe.place(name));
+    let found = |i: usize| Found {
+        depth: columns[depth][i],
+        normal: [0, 1, 2].map(|k| columns[normal + k][i]),
+        lost: columns[lost][i] != 0.0,
+    };
+    (0..columns[0].len()).map(found).collect()
 }

@@ -1,0 +1,157 @@
+//! What trades accuracy for time: the settings of `render` that do, the presets of `quality`, and what is varied besides them
+//! to be measured.
+
+use std::fmt::{self, Display, Formatter};
+
+/// All that trades accuracy for time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accuracy {
+    /// How far from the true surface a hit may be, in pixels.
+    pub tolerance: f64,
+    /// How many steps a ray is given.
+    pub steps: u32,
+    /// Whether steps are relaxed: longer than is certain, and taken back where they were too long.
+    pub relax: bool,
+    /// From what normals are found.
+    pub normals: Normals,
+    /// How much darker a soft shadow may be between two samples of the way to a light.
+    pub shadow_accuracy: f64,
+    /// How many samples the occlusion of ambient light is summed up from.
+    pub occlusion_samples: u32,
+    /// How many rays a pixel has, along each side of a grid.
+    pub antialias: u32,
+    /// How steps are kept from passing through surfaces where fields are steep.
+    pub correction: Correction,
+    /// What coordinates are relative to.
+    pub coordinates: Coordinates,
+}
+
+/// From what normals are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Normals {
+    /// The gradient, differentiated.
+    Exact,
+    /// Four samples at the corners of a tetrahedron.
+    Tetrahedron,
+    /// Differences of two samples along each axis.
+    Central,
+}
+
+/// How steps are kept from passing through surfaces where fields are steep. Scenes are compiled with the first; the other is for
+/// comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Correction {
+    /// The distance over the slope that is proved, on the branch that needs it.
+    Derived,
+    /// Each step is this share of the distance, wherever it is and whatever is near; 1 corrects nothing.
+    Factor(f64),
+}
+
+/// What coordinates are relative to. Scenes are compiled with the first; the others are for comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coordinates {
+    /// The camera's place if that is far from the origin, else the origin.
+    Chosen,
+    /// The origin.
+    World,
+    /// The camera's place.
+    Camera,
+}
+
+/// A preset of `quality`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quality {
+    /// What is seen at once, to try things out.
+    Draft,
+    /// What a scene has that says nothing.
+    Balanced,
+    /// What shows no error.
+    Fine,
+    /// What can be relied on.
+    Exact,
+}
+
+impl Normals {
+    /// All, the first being what a scene has that says nothing.
+    pub const ALL: [Normals; 3] = [Normals::Exact, Normals::Tetrahedron, Normals::Central];
+
+    /// Its word in a scene.
+    pub fn word(self) -> &'static str {
+        match self {
+            Normals::Exact => "exact",
+            Normals::Tetrahedron => "tetrahedron",
+            Normals::Central => "central",
+        }
+    }
+}
+
+impl Quality {
+    /// All, from the coarsest on.
+    pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Balanced, Quality::Fine, Quality::Exact];
+
+    /// Its word in a scene.
+    pub fn word(self) -> &'static str {
+        match self {
+            Quality::Draft => "draft",
+            Quality::Balanced => "balanced",
+            Quality::Fine => "fine",
+            Quality::Exact => "exact",
+        }
+    }
+
+    /// What it stands for.
+    pub fn accuracy(self) -> Accuracy {
+        let balanced = Accuracy {
+            tolerance: 0.1,
+            steps: 256,
+            relax: true,
+            normals: Normals::Exact,
+            shadow_accuracy: 0.015,
+            occlusion_samples: 6,
+            antialias: 1,
+            correction: Correction::Derived,
+            coordinates: Coordinates::Chosen,
+        };
+        match self {
+            Quality::Draft => {
+                Accuracy { tolerance: 0.5, shadow_accuracy: 0.06, occlusion_samples: 3, ..balanced }
+            }
+            Quality::Balanced => balanced,
+            Quality::Fine => Accuracy {
+                tolerance: 0.03,
+                steps: 512,
+                shadow_accuracy: 0.005,
+                occlusion_samples: 12,
+                ..balanced
+            },
+            Quality::Exact => Accuracy {
+                tolerance: 0.01,
+                steps: 1024,
+                shadow_accuracy: 0.001,
+                occlusion_samples: 32,
+                ..balanced
+            },
+        }
+    }
+}
+
+impl Default for Accuracy {
+    /// What a scene has that says nothing.
+    fn default() -> Accuracy {
+        Quality::Balanced.accuracy()
+    }
+}
+
+/// As the block of a scene that says so; what a scene cannot say is left out.
+impl Display for Accuracy {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let Accuracy { tolerance, steps, shadow_accuracy, occlusion_samples, antialias, .. } = self;
+        let relax = if self.relax { "auto" } else { "none" };
+        let normals = self.normals.word();
+        write!(
+            f,
+            "render {{ tolerance: {tolerance}, steps: {steps}, relax: {relax}, normals: {normals}, \
+            shadow_accuracy: {shadow_accuracy}, occlusion_samples: {occlusion_samples}, antialias: {antialias} }}"
+        )
+    }
+}

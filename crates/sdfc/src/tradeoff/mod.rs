@@ -1,0 +1,96 @@
+//! What accuracy costs in time: a scene measured with several settings, each against the truth.
+//!
+//! The typical way is `Subject::new → settings → measure → Tradeoffs`. Times are taken of pictures on a device, in rounds that
+//! take turns ([`race`](crate::race())). Errors, evaluations and steps are counted by the interpreter, which computes what
+//! shaders compute, so they are the same on every machine. The truth is a picture in `f64` whose every pixel the certifier has
+//! been asked about ([`Truth`]); nothing of the renderer's march is used for it.
+
+mod errors;
+mod frontier;
+mod measure;
+mod settings;
+mod truth;
+
+pub use errors::Errors;
+pub use frontier::frontier;
+pub use measure::{Stopwatch, Subject, measure};
+pub use settings::{Knob, Setting, settings, walk};
+pub use truth::Truth;
+
+use crate::draw::DrawError;
+use sdf_syntax::Diagnostic;
+use std::time::Duration;
+
+/// What came of measuring a scene.
+#[derive(Debug, Clone)]
+pub struct Tradeoffs {
+    /// The size of the pictures, in pixels.
+    pub size: (u32, u32),
+    /// What drew them when times were taken, if they were.
+    pub timing: Option<Timing>,
+    /// What the picture truly is.
+    pub truth: Truth,
+    /// Each setting with what it costs and how far off it is, in the order in which they were asked for.
+    pub rows: Vec<Row>,
+}
+
+/// How times were taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timing {
+    /// What drew.
+    pub device: String,
+    /// Why it is not what was preferred, where that is so.
+    pub fallback: Option<String>,
+    /// By which clock.
+    pub clock: &'static str,
+    /// The size of the pictures that were timed, in pixels.
+    pub size: (u32, u32),
+    /// How often each was drawn.
+    pub rounds: usize,
+}
+
+/// A setting, measured.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// The setting.
+    pub setting: Setting,
+    /// The time of a picture, if there was time to take it.
+    pub time: Option<Time>,
+    /// How often a pixel evaluates the scene's field, in the mean.
+    pub evaluations: f64,
+    /// How many steps the ray from the eye takes, in the mean.
+    pub steps: f64,
+    /// How far from the truth it is.
+    pub errors: Errors,
+    /// Whether no setting that was measured is as fast and as exact, and better in one of both.
+    pub on_frontier: bool,
+    /// The colours of the picture, red, green and blue in sRGB from 0 to 1, row by row from the top.
+    pub colors: Vec<[f32; 3]>,
+}
+
+/// How long a picture takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Time {
+    /// In the median.
+    pub median: Duration,
+    /// From the lower to the upper quartile.
+    pub spread: Duration,
+    /// As a multiple of what the scene's own setting takes in the same round: the lower quartile, the median and the upper
+    /// quartile.
+    pub ratio: [f64; 3],
+}
+
+/// Why a scene was not measured.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeasureError {
+    /// The scene has mistakes; they are told when it is compiled.
+    Scene(Vec<Diagnostic>),
+    /// The pictures that were to be timed were not drawn.
+    Draw(DrawError),
+}
+
+impl From<DrawError> for MeasureError {
+    fn from(error: DrawError) -> MeasureError {
+        MeasureError::Draw(error)
+    }
+}

@@ -1,0 +1,139 @@
+//! Which settings a scene is measured with.
+
+use sdf_lang::{Accuracy, Coordinates, Correction, Normals, Quality};
+
+/// By how many pixels the camera is moved to see what flickers: 0.01, in no direction of the grid.
+pub(super) const MOVE: [f64; 2] = [0.008, 0.006];
+
+/// What a setting changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knob {
+    /// All at once: a preset, or what stands between two of them.
+    Preset,
+    /// How near to a surface a hit is.
+    Tolerance,
+    /// How many steps rays are given.
+    Steps,
+    /// Whether steps are relaxed.
+    Relaxation,
+    /// From what normals are found.
+    Normals,
+    /// How finely soft shadows are sampled.
+    Shadows,
+    /// How many samples occlusion has.
+    Occlusion,
+    /// How many rays a pixel has.
+    Antialiasing,
+    /// How steps are kept from passing through surfaces.
+    Correction,
+    /// What coordinates are relative to.
+    Coordinates,
+}
+
+/// A setting that is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// What it is called, such as `tolerance 0.3`.
+    pub name: String,
+    /// What it changes in the scene's own setting.
+    pub knob: Knob,
+    /// All of it.
+    pub accuracy: Accuracy,
+    /// The preset that it is, if it is one.
+    pub preset: Option<Quality>,
+    /// Whether it is what the scene has by itself.
+    pub is_own: bool,
+}
+
+impl Setting {
+    fn new(knob: Knob, name: impl Into<String>, accuracy: Accuracy) -> Setting {
+        Setting { name: name.into(), knob, accuracy, preset: None, is_own: false }
+    }
+}
+
+/// The settings that a scene is measured with, its own first: the presets and what stands between them, then one change of its
+/// own at a time. `slope` is that of its field. Those that mean the same program are for the caller to tell.
+pub fn settings(own: Accuracy, slope: f64) -> Vec<Setting> {
+    let mut all = vec![Setting { is_own: true, ..Setting::new(Knob::Preset, "as it is", own) }];
+    let with_rays = |accuracy: Accuracy| Accuracy { antialias: own.antialias, ..accuracy };
+    for quality in Quality::ALL {
+        let setting = Setting::new(Knob::Preset, quality.word(), with_rays(quality.accuracy()));
+        all.push(Setting { preset: Some(quality), ..setting });
+    }
+    let mut change = |knob, name: String, accuracy| all.push(Setting::new(knob, name, accuracy));
+    for tolerance in [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01] {
+        change(Knob::Tolerance, format!("tolerance {tolerance}"), Accuracy { tolerance, ..own });
+    }
+    for steps in [64, 128, 256, 512] {
+        change(Knob::Steps, format!("steps {steps}"), Accuracy { steps, ..own });
+    }
+    for relax in [true, false] {
+        let word = if relax { "auto" } else { "none" };
+        change(Knob::Relaxation, format!("relax {word}"), Accuracy { relax, ..own });
+    }
+    for normals in Normals::ALL {
+        change(Knob::Normals, format!("normals {}", normals.word()), Accuracy { normals, ..own });
+    }
+    for shadow_accuracy in [0.06, 0.015, 0.004] {
+        let accuracy = Accuracy { shadow_accuracy, ..own };
+        change(Knob::Shadows, format!("shadow_accuracy {shadow_accuracy}"), accuracy);
+    }
+    for occlusion_samples in [3, 6, 12] {
+        let accuracy = Accuracy { occlusion_samples, ..own };
+        change(Knob::Occlusion, format!("occlusion_samples {occlusion_samples}"), accuracy);
+    }
+    for antialias in [1, 2, 4] {
+        change(Knob::Antialiasing, format!("antialias {antialias}"), Accuracy { antialias, ..own });
+    }
+    let mut corrections = vec![("step correction derived", Correction::Derived)];
+    if slope.is_finite() && slope > 1.0 {
+        corrections.push(("one safe factor", Correction::Factor(1.0 / slope)));
+        corrections.push(("factor 1", Correction::Factor(1.0)));
+    }
+    corrections.push(("factor 0.3", Correction::Factor(0.3)));
+    for (name, correction) in corrections {
+        change(Knob::Correction, name.into(), Accuracy { correction, ..own });
+    }
+    for (name, coordinates) in
+        [("coordinates of the world", Coordinates::World), ("coordinates of the camera", Coordinates::Camera)]
+    {
+        change(Knob::Coordinates, name.into(), Accuracy { coordinates, ..own });
+    }
+    all
+}
+
+/// The way from one setting to another, a change at a time: each with what was changed last. Both ends are in it.
+pub fn walk(from: &Setting, to: &Setting) -> Vec<Setting> {
+    let mut way = vec![from.clone()];
+    let (mut now, end) = (from.accuracy, to.accuracy);
+    let changes: [(Knob, fn(&mut Accuracy, Accuracy), fn(Accuracy) -> String); 8] = [
+        (Knob::Correction, |a, b| a.correction = b.correction, |_| "step correction derived".into()),
+        (
+            Knob::Relaxation,
+            |a, b| a.relax = b.relax,
+            |a| format!("relax {}", if a.relax { "auto" } else { "none" }),
+        ),
+        (Knob::Normals, |a, b| a.normals = b.normals, |a| format!("normals {}", a.normals.word())),
+        (Knob::Tolerance, |a, b| a.tolerance = b.tolerance, |a| format!("tolerance {}", a.tolerance)),
+        (Knob::Steps, |a, b| a.steps = b.steps, |a| format!("steps {}", a.steps)),
+        (
+            Knob::Shadows,
+            |a, b| a.shadow_accuracy = b.shadow_accuracy,
+            |a| format!("shadow_accuracy {}", a.shadow_accuracy),
+        ),
+        (
+            Knob::Occlusion,
+            |a, b| a.occlusion_samples = b.occlusion_samples,
+            |a| format!("occlusion_samples {}", a.occlusion_samples),
+        ),
+        (Knob::Coordinates, |a, b| a.coordinates = b.coordinates, |_| "coordinates as chosen".into()),
+    ];
+    for (knob, change, name) in changes {
+        let before = now;
+        change(&mut now, end);
+        if now != before {
+            way.push(Setting::new(knob, name(now), now));
+        }
+    }
+    way
+}

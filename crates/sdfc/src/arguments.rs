@@ -4,9 +4,11 @@ use crate::failure::Failure;
 use anstream::stream::RawStream;
 use anstream::{AutoStream, ColorChoice};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use sdfc::tradeoff::Bounds;
 use sdfc::{Device, FileLoader, Format, Language, Options, Target, View, reason};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The largest side of a picture, in pixels.
 const SIDE_LIMIT: u32 = 16_384;
@@ -95,6 +97,15 @@ pub struct CompileArguments {
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
+    /// What the shader's pictures must satisfy.
+    #[command(flatten)]
+    pub bounds: BoundArguments,
+    /// The size of the picture that bounds are about, in pixels [default: 640x360]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// What draws the picture that bounds are about: `auto`, `gpu`, `cpu`, or a part of a graphics device's name [default: auto]
+    #[arg(long, value_name = "DEVICE", value_parser = device)]
+    pub device: Option<Device>,
     /// Print how long each stage took
     #[arg(long)]
     pub timings: bool,
@@ -127,6 +138,9 @@ pub struct RenderArguments {
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
+    /// What the picture must satisfy.
+    #[command(flatten)]
+    pub bounds: BoundArguments,
     /// Print how long each stage took, and what drew
     #[arg(long)]
     pub timings: bool,
@@ -239,12 +253,48 @@ pub struct CostArguments {
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]
     pub no_time: bool,
+    /// Walk from the scene's own setting, or from that which satisfies the bounds, to the exact one, a setting at a time, and say
+    /// what each step costs and buys
+    #[arg(long)]
+    pub why: bool,
+    /// How far from the true surface hits may be
+    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// How long a picture may take, such as 16ms
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true, conflicts_with = "no_time")]
+    pub max_time: Option<Duration>,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
     /// Print how long each stage took
     #[arg(long)]
     pub timings: bool,
+}
+
+/// What a picture must satisfy, so that its setting is chosen by measuring.
+#[derive(Debug, Args, Default, PartialEq)]
+pub struct BoundArguments {
+    /// Take the fastest setting with which no hit is farther from the true surface, such as 0.5px: the scene is measured first
+    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// Take the most exact setting with which a picture takes no longer, such as 16ms: the scene is measured first
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true)]
+    pub max_time: Option<Duration>,
+    /// For about how long pictures are timed to choose a setting, in seconds
+    #[arg(long, value_name = "SECONDS", value_parser = budget, allow_negative_numbers = true)]
+    pub budget: Option<f64>,
+}
+
+impl BoundArguments {
+    /// The bounds.
+    pub fn bounds(&self) -> Bounds {
+        Bounds { error: self.max_error, time: self.max_time }
+    }
+
+    /// Whether there are any.
+    pub fn are_any(&self) -> bool {
+        self.bounds() != Bounds::default()
+    }
 }
 
 /// `sdfc doc NAME…`
@@ -460,6 +510,31 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn budget(text: &str) -> Result<f64, String> {
     seconds(text)
         .and_then(|t| if t <= HOUR { Ok(t) } else { Err(format!("at most an hour, {HOUR} seconds")) })
+}
+
+/// A number of pixels above 0, with or without its unit.
+fn pixels(text: &str) -> Result<f64, String> {
+    let number = text.trim().strip_suffix("px").unwrap_or(text).trim();
+    match number.parse::<f64>() {
+        Ok(x) if (1e-4..=100.0).contains(&x) => Ok(x),
+        Ok(_) => Err("an error is bounded by 0.0001 to 100 pixels".into()),
+        Err(_) => Err("expected a number of pixels such as 0.5px".into()),
+    }
+}
+
+/// A time with its unit, above 0.
+fn duration(text: &str) -> Result<Duration, String> {
+    let text = text.trim();
+    let (number, unit) = match (text.strip_suffix("ms"), text.strip_suffix('s')) {
+        (Some(number), _) => (number, 1e-3),
+        (None, Some(number)) => (number, 1.0),
+        (None, None) => return Err("expected a time with its unit, such as 16ms or 0.5s".into()),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(x) if x > 0.0 && x * unit <= HOUR => Ok(Duration::from_secs_f64(x * unit)),
+        Ok(_) => Err("a time is more than 0 and at most an hour".into()),
+        Err(_) => Err("expected a time such as 16ms or 0.5s".into()),
+    }
 }
 
 fn device(text: &str) -> Result<Device, String> {

@@ -6,8 +6,9 @@ use crate::input;
 use crate::listing::listing;
 use crate::output::{Output, print};
 use crate::terminal::Terminal;
+use crate::tradeoffs::bounds::{self, Chosen, Wanted};
 use sdf_syntax::{Code, Diagnostic, Severity};
-use sdfc::{Clock, Compiled, Format, Options};
+use sdfc::{Clock, Compiled, Format, Frame, Options};
 use std::path::Path;
 
 /// Compiles a scene, and writes what was asked for.
@@ -30,8 +31,12 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     let orbit = format == Some(Format::Page);
     let facts = arguments.emit.contains(&Stage::Facts);
     let options = Options { orbit, facts, ..arguments.set.options(scene)? };
-    let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
+    let mut compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
+    if let Some(chosen) = chosen(arguments, &source, &options, &compiled, terminal, &mut clock)? {
+        let options = Options { accuracy: Some(chosen.row().setting.accuracy), ..options };
+        compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
+    }
     if !arguments.emit.is_empty() {
         print(listing(&arguments.emit, &source.text, &compiled).as_bytes())?;
     }
@@ -45,6 +50,30 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
         terminal.timings(&clock);
     }
     Ok(())
+}
+
+/// The setting that the bounds ask for, if there are any.
+fn chosen(
+    arguments: &CompileArguments,
+    source: &input::Scene,
+    options: &Options,
+    compiled: &Compiled,
+    terminal: &Terminal,
+    clock: &mut Clock,
+) -> Result<Option<Chosen>, Failure> {
+    if !arguments.bounds.are_any() {
+        return match (&arguments.size, &arguments.device) {
+            (None, None) => Ok(None),
+            _ => Err(Failure::call("`--size` and `--device` are about the picture that bounds are about")
+                .help("add `--max-error 0.5px` or `--max-time 16ms`; a shader draws pictures of any size")),
+        };
+    }
+    shader(compiled, terminal)?;
+    let (width, height) = arguments.size.unwrap_or((640, 360));
+    let device = arguments.device.clone().unwrap_or_default();
+    let frame = Frame::new(width, height);
+    let wanted = Wanted { source, options, compiled, frame: &frame, device: &device };
+    bounds::choose(&arguments.bounds, &wanted, terminal, clock)
 }
 
 /// The shader of a scene without mistakes, and without warnings where they are denied.

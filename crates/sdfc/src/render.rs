@@ -7,8 +7,9 @@ use crate::input;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
+use crate::tradeoffs::bounds::{self, Wanted};
 use clap::ValueEnum;
-use sdfc::{Clock, DrawError, Drawing, Frame, Measured, Options, View};
+use sdfc::{Accuracy, Clock, DrawError, Drawing, Frame, Measured, Options, View};
 
 /// Draws a scene to a PNG file.
 pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -18,12 +19,26 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
     let view = arguments.view.map_or(View::Picture, View::from);
     let options = Options { view: Some(view), ..arguments.set.options(&arguments.scene)? };
-    let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
+    let mut compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
-    let shader = shader(&compiled, terminal)?;
+    shader(&compiled, terminal)?;
 
     let (width, height) = arguments.size;
     let frame = Frame { time: arguments.time, ..Frame::new(width, height) };
+    let picture = Options { view: None, ..options.clone() };
+    let wanted = Wanted {
+        source: &source,
+        options: &picture,
+        compiled: &compiled,
+        frame: &frame,
+        device: &arguments.device,
+    };
+    let chosen = bounds::choose(&arguments.bounds, &wanted, terminal, &mut clock)?;
+    if let Some(chosen) = &chosen {
+        let options = Options { accuracy: Some(chosen.row().setting.accuracy), ..options };
+        compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
+    }
+    let shader = shader(&compiled, terminal)?;
     let progress = Progress::new("drawing");
     let show = |part| progress.show(part);
     let drawing = shader.draw(&frame, &arguments.device, arguments.shader.into(), &show, &mut clock);
@@ -44,7 +59,8 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     if let Some(legend) = legend(view, measured) {
         terminal.note(&legend);
     }
-    let bytes = clock.time("encode", || png(&drawing, &source.text, arguments))?;
+    let accuracy = chosen.map(|chosen| chosen.row().setting.accuracy);
+    let bytes = clock.time("encode", || png(&drawing, &source.text, arguments, accuracy))?;
     clock.time("save", || output.write(&bytes))?;
     if arguments.timings {
         terminal.note(&format!("drawn by {}", drawing.device));
@@ -101,7 +117,12 @@ fn must_be_png(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 /// The file: the picture, the scene, and how it was drawn.
-fn png(drawing: &Drawing, source: &str, arguments: &RenderArguments) -> Result<Vec<u8>, Failure> {
+fn png(
+    drawing: &Drawing,
+    source: &str,
+    arguments: &RenderArguments,
+    accuracy: Option<Accuracy>,
+) -> Result<Vec<u8>, Failure> {
     let (width, height) = arguments.size;
     let mut settings = format!("--size {width}x{height} --time {}", arguments.time);
     if let Some(view) = arguments.view.and_then(|view| view.to_possible_value()) {
@@ -109,6 +130,9 @@ fn png(drawing: &Drawing, source: &str, arguments: &RenderArguments) -> Result<V
     }
     for (name, value) in &arguments.set.values {
         settings.push_str(&format!(" --set {name}={value}"));
+    }
+    if let Some(accuracy) = accuracy {
+        settings.push_str(&format!(" {accuracy}"));
     }
     let software = format!("sdfc {}", sdfc::VERSION);
     let texts = [("Software", software.as_str()), ("Source", source), ("Settings", &settings)];

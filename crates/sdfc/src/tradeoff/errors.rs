@@ -1,6 +1,6 @@
 //! How far a picture is from the truth.
 
-use super::truth::{NEAR, Oracle, Truth, encoded};
+use super::truth::{Oracle, Truth, encoded};
 use rayon::prelude::*;
 use sdf_render::certify::{Found, Verdict};
 
@@ -71,7 +71,7 @@ impl Errors {
                 || oracle.certifier.prover(),
                 |prover, i| {
                     let found = &made.found[i];
-                    match surface(truth, i, found, distances[i]) {
+                    match surface(truth, oracle.near, i, found, distances[i]) {
                         _ if found.lost => Met::OutOfSteps,
                         Some(met) => met,
                         None => match prover.judge(&truth.rays[i], &truth.proofs[i], found) {
@@ -114,7 +114,7 @@ impl Errors {
 
 /// What was found, if it is the surface that is there, or nothing where nothing is. The place that was found is `distance` from
 /// a surface; if that is another one than the ray meets, the latter is farther away.
-fn surface(truth: &Truth, i: usize, found: &Found, distance: f64) -> Option<Met> {
+fn surface(truth: &Truth, near: f64, i: usize, found: &Found, distance: f64) -> Option<Met> {
     let (there, here) = (truth.depths[i], f64::from(found.depth));
     if there < 0.0 || here < 0.0 {
         return (there < 0.0 && here < 0.0).then_some(Met::Right);
@@ -122,12 +122,12 @@ fn surface(truth: &Truth, i: usize, found: &Found, distance: f64) -> Option<Met>
     let ray = &truth.rays[i];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let off = (here - there).abs() * dot(truth.normals[i], ray.direction).abs();
-    let near = ray.share(there);
+    let reach = ray.share(there);
     let normal = found.normal.map(f64::from);
     let length = dot(normal, normal).sqrt();
     let cosine = dot(normal, truth.normals[i]) / length.max(1e-30);
-    let is_same = off <= near.max(2.0 * distance.abs()) && normal.iter().all(|x| x.is_finite());
-    is_same.then(|| Met::Surface(off / near * NEAR, cosine.clamp(-1.0, 1.0).acos().to_degrees()))
+    let is_same = off <= reach.max(2.0 * distance.abs()) && normal.iter().all(|x| x.is_finite());
+    is_same.then(|| Met::Surface(off / reach * near, cosine.clamp(-1.0, 1.0).acos().to_degrees()))
 }
 
 /// How far colours are from those of the same rays, and which share of the pixels is visibly so. Of several rays a pixel only some

@@ -5,12 +5,17 @@ use super::settings::{MOVE, Setting};
 use super::truth::{Oracle, Truth};
 use super::{MeasureError, Row, Time, Timing, Tradeoffs, frontier};
 use crate::{Clock, Device, Options, Progress, Scene, Shader, compile, race};
+use rayon::prelude::*;
 use sdf_ir::eval::Counts;
 use sdf_lang::Accuracy;
 use sdf_render::Frame;
 use sdf_render::certify::found;
 use sdf_render::columns::{Columns, coordinates};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
+
+/// Which part of the progress is that of taking times, where they are taken.
+const TIMING: f64 = 0.5;
 
 /// A scene to be measured.
 #[derive(Debug, Clone, Copy)]
@@ -42,12 +47,6 @@ struct Compiled {
 }
 
 impl Subject<'_> {
-    /// The scene with its own settings: what they are, and how steep its field is.
-    pub fn own(&self) -> Result<(Accuracy, f64), MeasureError> {
-        let scene = self.compile(None)?.0;
-        Ok((scene.accuracy, scene.slope))
-    }
-
     fn compile(&self, accuracy: Option<Accuracy>) -> Result<(Scene, Shader), MeasureError> {
         let options =
             Options { accuracy, probe: true, attack: Some(0), facts: false, ..self.options.clone() };
@@ -56,87 +55,117 @@ impl Subject<'_> {
     }
 }
 
-/// Measures a scene with these settings, the first being its own. Of settings that change nothing in the program of an earlier
-/// one only presets are kept. Without a stopwatch no times are taken.
-pub fn measure(
-    subject: &Subject,
-    settings: &[Setting],
-    frame: &Frame,
-    stopwatch: Option<&Stopwatch>,
-    progress: Progress,
-) -> Result<Tradeoffs, MeasureError> {
-    let mut compiled: Vec<Compiled> = Vec::new();
-    // For each row the place of what is compiled.
-    let mut rows: Vec<(Setting, usize)> = Vec::new();
-    for setting in settings {
-        let (scene, shader) = subject.compile(Some(setting.accuracy))?;
-        match compiled.iter().position(|other| other.shader.program == shader.program) {
-            Some(_) if setting.preset.is_none() => {}
-            Some(same) => rows.push((setting.clone(), same)),
-            None => {
-                rows.push((setting.clone(), compiled.len()));
-                compiled.push(Compiled { setting: setting.clone(), scene, shader });
+/// A scene at one moment, with its truth, which is found when it is first asked for.
+pub struct Session<'a> {
+    subject: Subject<'a>,
+    frame: Frame,
+    near: f64,
+    known: OnceLock<(Oracle, Arc<Truth>)>,
+}
+
+impl<'a> Session<'a> {
+    /// For pictures of a frame. A hit is false where no surface is within `near` pixels.
+    pub fn new(subject: Subject<'a>, frame: Frame, near: f64) -> Session<'a> {
+        Session { subject, frame, near, known: OnceLock::new() }
+    }
+
+    /// Measures the scene with these settings; ratios of times are to the first. Of settings that change nothing in the program
+    /// of an earlier one only presets are kept. Without a stopwatch no times are taken.
+    pub fn measure(
+        &self,
+        settings: &[Setting],
+        stopwatch: Option<&Stopwatch>,
+        progress: Progress,
+        clock: &mut Clock,
+    ) -> Result<Tradeoffs, MeasureError> {
+        let (compiled, places) = clock.time("compile the settings", || self.compile(settings))?;
+        let shaders: Vec<&Shader> = compiled.iter().map(|c| &c.shader).collect();
+        // First, since a device may be wanted that is not there.
+        let timing = if stopwatch.is_some() { TIMING } else { 0.0 };
+        let raced = clock.time("time", || {
+            let show = |part| progress(part * timing);
+            let race = |watch: &Stopwatch| race(&shaders, watch.frame, watch.device, watch.budget, &show);
+            stopwatch.map(race).transpose()
+        })?;
+        let show = |part: f64| progress(timing + (1.0 - timing) * part);
+        let (oracle, truth) =
+            clock.time("find the truth", || self.known(&compiled, &|part| show(0.4 * part)))?;
+        let measured: Vec<Measured> = clock.time("count and compare", || {
+            let each = compiled.iter().enumerate().map(|(i, c)| {
+                show(0.4 + 0.6 * i as f64 / compiled.len() as f64);
+                Measured::of(c, &self.frame, truth, oracle)
+            });
+            each.collect()
+        });
+        let time = |i: usize| {
+            let lap = raced.as_ref().and_then(|race| race.laps[i])?;
+            Some(Time { median: lap.time, spread: lap.spread, ratio: lap.ratio })
+        };
+        let side = |i: usize| compiled[i].setting.accuracy.antialias;
+        let point = |i: usize| {
+            // More rays make another picture.
+            let time = time(i).filter(|_| side(i) == side(0));
+            (time.map(|time| time.median.as_secs_f64()), measured[i].errors.rms)
+        };
+        let on_frontier = frontier(&(0..compiled.len()).map(point).collect::<Vec<_>>());
+        let rows = places.into_iter().map(|(setting, i)| Row {
+            setting,
+            time: time(i),
+            evaluations: measured[i].evaluations,
+            steps: measured[i].steps,
+            errors: measured[i].errors,
+            on_frontier: on_frontier[i],
+            colors: measured[i].colors.clone(),
+        });
+        let rows = rows.collect();
+        let timing = raced.map(|race| Timing {
+            device: race.device,
+            fallback: race.fallback,
+            clock: race.clock,
+            size: race.size,
+            rounds: race.rounds,
+        });
+        Ok(Tradeoffs { size: (self.frame.width, self.frame.height), timing, truth: truth.clone(), rows })
+    }
+
+    /// The scene with all settings that differ, and of each setting that is kept where it is among them.
+    fn compile(&self, settings: &[Setting]) -> Result<(Vec<Compiled>, Vec<(Setting, usize)>), MeasureError> {
+        let all: Vec<(Scene, Shader)> = settings
+            .par_iter()
+            .map(|setting| self.subject.compile(Some(setting.accuracy)))
+            .collect::<Result<_, _>>()?;
+        let (mut compiled, mut places): (Vec<Compiled>, Vec<(Setting, usize)>) = (Vec::new(), Vec::new());
+        for (setting, (scene, shader)) in settings.iter().zip(all) {
+            match compiled.iter().position(|other| other.shader.program == shader.program) {
+                Some(_) if setting.preset.is_none() => {}
+                Some(same) => places.push((setting.clone(), same)),
+                None => {
+                    places.push((setting.clone(), compiled.len()));
+                    compiled.push(Compiled { setting: setting.clone(), scene, shader });
+                }
             }
         }
+        Ok((compiled, places))
     }
-    let shaders: Vec<&Shader> = compiled.iter().map(|c| &c.shader).collect();
-    // First, since a device may be wanted that is not there.
-    let timing = if stopwatch.is_some() { 0.4 } else { 0.0 };
-    let raced = stopwatch.map(|watch| {
-        race(&shaders, watch.frame, watch.device, watch.budget, &|part| progress(part * timing))
-    });
-    let raced = raced.transpose()?;
 
-    let oracle = Oracle::new(subject.name, subject.text, subject.options, frame)?;
-    let mut grids: Vec<u32> =
-        compiled.iter().map(|c| c.setting.accuracy.antialias).filter(|n| *n > 1).collect();
-    grids.sort_unstable();
-    grids.dedup();
-    let part =
-        |from: f64, to: f64, part: f64| progress(timing + (1.0 - timing) * (from + (to - from) * part));
-    let truth = oracle.truth(frame, &grids, &|done| part(0.0, 0.4, done));
-    let measured: Vec<Measured> = compiled
-        .iter()
-        .enumerate()
-        .map(|(i, c)| {
-            part(0.4, 1.0, i as f64 / compiled.len() as f64);
-            Measured::of(c, frame, &truth, &oracle)
-        })
-        .collect();
-
-    let time = |i: usize| {
-        let lap = raced.as_ref().and_then(|race| race.laps[i])?;
-        Some(Time { median: lap.time, spread: lap.spread, ratio: lap.ratio })
-    };
-    let own_side = compiled.first().map_or(1, |c| c.setting.accuracy.antialias);
-    let points: Vec<(Option<f64>, f64)> = compiled
-        .iter()
-        .enumerate()
-        .map(|(i, c)| {
-            // More rays are another picture.
-            let comparable = c.setting.accuracy.antialias == own_side;
-            (time(i).filter(|_| comparable).map(|t| t.median.as_secs_f64()), measured[i].errors.rms)
-        })
-        .collect();
-    let on_frontier = frontier(&points);
-    let rows = rows.into_iter().map(|(setting, i)| Row {
-        setting,
-        time: time(i),
-        evaluations: measured[i].evaluations,
-        steps: measured[i].steps,
-        errors: measured[i].errors,
-        on_frontier: on_frontier[i],
-        colors: measured[i].colors.clone(),
-    });
-    let rows = rows.collect();
-    let timing = raced.map(|race| Timing {
-        device: race.device,
-        fallback: race.fallback,
-        clock: race.clock,
-        size: race.size,
-        rounds: race.rounds,
-    });
-    Ok(Tradeoffs { size: (frame.width, frame.height), timing, truth, rows })
+    /// The truth, and what answers questions about it.
+    fn known(
+        &self,
+        compiled: &[Compiled],
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<&(Oracle, Arc<Truth>), MeasureError> {
+        if self.known.get().is_none() {
+            let Subject { name, text, options } = self.subject;
+            let oracle = Oracle::new(name, text, options, &self.frame, self.near)?;
+            let mut grids: Vec<u32> = compiled.iter().map(|c| c.setting.accuracy.antialias).collect();
+            grids.sort_unstable();
+            grids.dedup();
+            grids.retain(|side| *side > 1);
+            let truth = Arc::new(oracle.truth(&self.frame, &grids, progress));
+            let _ = self.known.set((oracle, truth));
+        }
+        Ok(self.known.get().expect("it was just set"))
+    }
 }
 
 /// What is counted and compared of a setting.

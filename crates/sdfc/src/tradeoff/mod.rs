@@ -1,24 +1,27 @@
 //! What accuracy costs in time: a scene measured with several settings, each against the truth.
 //!
-//! The typical way is `Subject::new → settings → measure → Tradeoffs`. Times are taken of pictures on a device, in rounds that
+//! The typical way is `Session::new → settings → Session::measure → Tradeoffs`. Times are taken of pictures on a device, in rounds that
 //! take turns ([`race`](crate::race())). Errors, evaluations and steps are counted by the interpreter, which computes what
 //! shaders compute, so they are the same on every machine. The truth is a picture in `f64` whose every pixel the certifier has
 //! been asked about ([`Truth`]); nothing of the renderer's march is used for it.
 
+mod choose;
 mod errors;
 mod frontier;
 mod measure;
 mod settings;
 mod truth;
 
+pub use choose::Bounds;
 pub use errors::Errors;
 pub use frontier::frontier;
-pub use measure::{Stopwatch, Subject, measure};
-pub use settings::{Knob, Setting, settings, walk};
-pub use truth::Truth;
+pub use measure::{Session, Stopwatch, Subject};
+pub use settings::{Knob, Setting, candidates, settings, walk};
+pub use truth::{NEAR, Truth};
 
 use crate::draw::DrawError;
 use sdf_syntax::Diagnostic;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// What came of measuring a scene.
@@ -29,7 +32,7 @@ pub struct Tradeoffs {
     /// What drew them when times were taken, if they were.
     pub timing: Option<Timing>,
     /// What the picture truly is.
-    pub truth: Truth,
+    pub truth: Arc<Truth>,
     /// Each setting with what it costs and how far off it is, in the order in which they were asked for.
     pub rows: Vec<Row>,
 }

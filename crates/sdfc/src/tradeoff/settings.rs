@@ -51,15 +51,29 @@ impl Setting {
     }
 }
 
-/// The settings that a scene is measured with, its own first: the presets and what stands between them, then one change of its
-/// own at a time. `slope` is that of its field. Those that mean the same program are for the caller to tell.
-pub fn settings(own: Accuracy, slope: f64) -> Vec<Setting> {
+/// The settings among which one is chosen for a scene, its own first: the presets, and between two of them the coarser one with
+/// the tolerance of the other. All have as many rays a pixel as the scene's own.
+pub fn candidates(own: Accuracy) -> Vec<Setting> {
     let mut all = vec![Setting { is_own: true, ..Setting::new(Knob::Preset, "as it is", own) }];
     let with_rays = |accuracy: Accuracy| Accuracy { antialias: own.antialias, ..accuracy };
+    let mut before: Option<Quality> = None;
     for quality in Quality::ALL {
-        let setting = Setting::new(Knob::Preset, quality.word(), with_rays(quality.accuracy()));
-        all.push(Setting { preset: Some(quality), ..setting });
+        let accuracy = with_rays(quality.accuracy());
+        if let Some(before) = before {
+            let between = Accuracy { tolerance: accuracy.tolerance, ..with_rays(before.accuracy()) };
+            let name = format!("{}, tolerance {}", before.word(), accuracy.tolerance);
+            all.push(Setting::new(Knob::Preset, name, between));
+        }
+        all.push(Setting { preset: Some(quality), ..Setting::new(Knob::Preset, quality.word(), accuracy) });
+        before = Some(quality);
     }
+    all
+}
+
+/// The settings that a scene is measured with, its own first: those among which one is chosen, then one change of its own at a
+/// time. `slope` is that of its field. Some may mean the same program.
+pub fn settings(own: Accuracy, slope: f64) -> Vec<Setting> {
+    let mut all = candidates(own);
     let mut change = |knob, name: String, accuracy| all.push(Setting::new(knob, name, accuracy));
     for tolerance in [1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01] {
         change(Knob::Tolerance, format!("tolerance {tolerance}"), Accuracy { tolerance, ..own });

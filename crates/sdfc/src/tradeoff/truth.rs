@@ -12,7 +12,8 @@ use sdf_render::certify::{self, Certifier, Functions, Ray};
 use sdf_render::columns::{Columns, coordinates};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How near to a surface a hit must be not to be false, in pixels, whatever the tolerance of a setting.
+/// How near to a surface a hit must be not to be false, in pixels, where nothing else is asked for: whatever the tolerance of a
+/// setting.
 pub const NEAR: f64 = 0.1;
 /// One pixel in so many is compared with the mean of its area.
 const AREA_SHARE: usize = 16;
@@ -48,14 +49,22 @@ pub struct Truth {
 /// What answers questions about a scene's truth.
 pub(super) struct Oracle {
     scene: Scene,
+    /// How near to a surface a hit must be not to be false, in pixels.
+    pub near: f64,
     pub certifier: Certifier,
     uniforms: Vec<Constant>,
 }
 
 impl Oracle {
-    /// For a scene without mistakes at one moment.
-    pub fn new(name: &str, text: &str, options: &Options, frame: &Frame) -> Result<Oracle, MeasureError> {
-        let accuracy = Accuracy { tolerance: NEAR, ..Accuracy::default() };
+    /// For a scene without mistakes at one moment. Hits are false where no surface is within `near` pixels.
+    pub fn new(
+        name: &str,
+        text: &str,
+        options: &Options,
+        frame: &Frame,
+        near: f64,
+    ) -> Result<Oracle, MeasureError> {
+        let accuracy = Accuracy { tolerance: near, ..Accuracy::default() };
         let options = Options {
             accuracy: Some(accuracy),
             truth: true,
@@ -69,7 +78,7 @@ impl Oracle {
         let functions = Functions { map: scene.map, ray: certificate.ray, step: certificate.step };
         let certifier = Certifier::new(&scene.program, functions, frame);
         let uniforms = frame.uniforms(&scene.program);
-        Ok(Oracle { scene, certifier, uniforms })
+        Ok(Oracle { scene, near, certifier, uniforms })
     }
 
     /// The field at places on rays, in `f64`.

@@ -1,6 +1,8 @@
 //! `sdfc cost scene.sdf`: what accuracy costs in time, measured.
 
+pub mod bounds;
 mod page;
+mod why;
 
 use crate::arguments::CostArguments;
 use crate::compile::{our_mistake, shader};
@@ -9,8 +11,10 @@ use crate::input;
 use crate::output::print;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{MeasureError, Stopwatch, Subject, measure, settings};
-use sdfc::{Clock, DrawError, Frame};
+use sdfc::tradeoff::{
+    Bounds, MeasureError, NEAR, Session, Setting, Stopwatch, Subject, candidates, settings, walk,
+};
+use sdfc::{Clock, Compiled, DrawError, Frame, Quality};
 use std::time::Duration;
 
 /// Measures a scene, and prints what came of it.
@@ -26,29 +30,59 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
     let (width, height) = arguments.size;
     let frame = Frame { time: arguments.time, ..Frame::new(width, height) };
     let subject = Subject { name: &source.name, text: &source.text, options: &options };
+    let bounds = Bounds { error: arguments.max_error, time: arguments.max_time };
+    let session = Session::new(subject, frame.clone(), bounds.error.unwrap_or(NEAR));
+    let has_bounds = bounds != Bounds::default();
+    let rounds = if arguments.why && has_bounds { 2.0 } else { 1.0 };
     let stopwatch = Stopwatch {
         device: &arguments.device,
         frame: &frame,
-        budget: Duration::from_secs_f64(arguments.budget),
+        budget: Duration::from_secs_f64(arguments.budget / rounds),
     };
     let progress = Progress::new("measuring");
-    let show = |part| progress.show(part);
-    let wanted = settings(scene.accuracy, scene.slope);
-    let measured = clock.time("measure", || {
-        measure(&subject, &wanted, &frame, (!arguments.no_time).then_some(&stopwatch), &show)
-    });
+    let mut measure = |settings: &[Setting], [from, to]: [f64; 2]| {
+        let show = |part: f64| progress.show(from + (to - from) * part);
+        let watch = (!arguments.no_time).then_some(&stopwatch);
+        session
+            .measure(settings, watch, &show, &mut clock)
+            .map_err(|error| failed(error, &compiled, terminal))
+    };
+    let text;
+    let measured;
+    if arguments.why {
+        let own = candidates(scene.accuracy);
+        let start = if has_bounds {
+            let tried = measure(&own, [0.0, 0.5])?;
+            let chosen = bounds.choose(&tried).map(|row| row.setting.clone());
+            chosen.ok_or_else(|| bounds::none(&bounds, &tried))?
+        } else {
+            own[0].clone()
+        };
+        let exact = own.iter().find(|setting| setting.preset == Some(Quality::Exact));
+        let way = walk(&start, exact.expect("it is one of the candidates"));
+        measured = measure(&way, [rounds / 2.0 - 0.5, 1.0])?;
+        text = why::page(&source.name, &measured);
+    } else {
+        measured = measure(&settings(scene.accuracy, scene.slope), [0.0, 1.0])?;
+        text = page::page(&source.name, &measured, bounds);
+    }
     progress.end();
-    let measured = measured.map_err(|error| match error {
-        MeasureError::Draw(DrawError::Device(message)) => Failure::Device(message),
-        MeasureError::Draw(DrawError::Shader(bug)) => our_mistake(bug, &compiled, terminal),
-        MeasureError::Scene(diagnostics) => {
-            terminal.diagnostics(&compiled.sources, &diagnostics);
-            Failure::Scene
-        }
-    })?;
-    print(page::page(&source.name, &measured).as_bytes())?;
+    page::note_fallback(&measured, terminal);
+    print(text.as_bytes())?;
     if arguments.timings {
         terminal.timings(&clock);
     }
     Ok(())
+}
+
+/// Why a scene was not measured.
+fn failed(error: MeasureError, compiled: &Compiled, terminal: &Terminal) -> Failure {
+    match error {
+        MeasureError::Draw(DrawError::Device(message)) => Failure::Device(message),
+        MeasureError::Draw(DrawError::Shader(bug)) => our_mistake(bug, compiled, terminal),
+        MeasureError::Scene(diagnostics) => {
+            terminal.diagnostics(&compiled.sources, &diagnostics);
+            Failure::Scene
+        }
+    }
 }

@@ -1,44 +1,100 @@
 //! What was measured, for people.
 
-use sdfc::tradeoff::{Row, Tradeoffs};
+use super::why::digits;
+use crate::terminal::Terminal;
+use sdfc::tradeoff::{Bounds, Row, Tradeoffs};
+
+/// The name of a column, and what it shows of a setting.
 
 type Column = (&'static str, fn(&Row) -> String);
 
 const COLUMNS: [Column; 14] = [
-    ("ms", |r| r.time.map_or("-".into(), |t| format!("{:.1}", t.median.as_secs_f64() * 1e3))),
-    ("±", |r| r.time.map_or("-".into(), |t| format!("{:.1}", t.spread.as_secs_f64() * 1e3))),
+    ("ms", |r| r.time.map_or("-".into(), |t| digits(t.median.as_secs_f64() * 1e3))),
+    ("±", |r| r.time.map_or("-".into(), |t| digits(t.spread.as_secs_f64() * 1e3))),
     ("evaluations", |r| format!("{:.1}", r.evaluations)),
     ("steps", |r| format!("{:.1}", r.steps)),
     ("lost", |r| r.errors.out_of_steps.to_string()),
-    ("false hits", |r| r.errors.false_hits.to_string()),
-    ("misses", |r| r.errors.false_misses.to_string()),
-    ("depth px", |r| format!("{:.1e}", r.errors.depth[0])),
-    ("99.9 %", |r| format!("{:.1e}", r.errors.depth[1])),
-    ("most", |r| format!("{:.1e}", r.errors.depth[2])),
-    ("normal", |r| format!("{:.3}°", r.errors.normal[1])),
+    ("false", |r| format!("{}+{}", r.errors.false_hits, r.errors.false_misses)),
+    ("depth px", |r| digits(r.errors.depth[0])),
+    ("99.9 %", |r| digits(r.errors.depth[1])),
+    ("most", |r| digits(r.errors.depth[2])),
+    ("normal", |r| format!("{}°", digits(r.errors.normal[1]))),
     ("flicker", |r| r.errors.flicker.to_string()),
-    ("rms", |r| format!("{:.3}", r.errors.rms)),
-    ("aliasing", |r| format!("{:.3}", r.errors.aliasing)),
+    ("rms", |r| digits(r.errors.rms)),
+    ("seen", |r| format!("{:.2} %", 100.0 * r.errors.visible)),
+    ("aliasing", |r| digits(r.errors.aliasing)),
 ];
 
-/// The table of all settings.
-pub fn page(name: &str, measured: &Tradeoffs) -> String {
-    let mut lines: Vec<Vec<String>> =
-        vec![[name.to_string()].into_iter().chain(COLUMNS.map(|(head, _)| head.to_string())).collect()];
+/// The table of all settings, in groups by what they change.
+pub fn page(name: &str, measured: &Tradeoffs, bounds: Bounds) -> String {
+    let heads = ["".to_string()].into_iter().chain(COLUMNS.map(|(head, _)| head.to_string()));
+    let mut lines: Vec<Vec<String>> = vec![heads.collect()];
     for row in &measured.rows {
-        let mark = if row.on_frontier { "* " } else { "  " };
-        let first = format!("{mark}{}", row.setting.name);
+        let mark = if row.on_frontier { "*" } else { " " };
+        let first = format!("{mark} {}", row.setting.name);
         lines.push([first].into_iter().chain(COLUMNS.map(|(_, show)| show(row))).collect());
     }
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..=COLUMNS.len()).map(width).collect();
-    let mut out = String::new();
-    for line in &lines {
-        out.push_str(&format!("{:<width$}", line[0], width = widths[0]));
-        for (cell, width) in line.iter().zip(&widths).skip(1) {
+    let line = |cells: &[String]| {
+        let mut out = format!("{:<width$}", cells[0], width = widths[0]);
+        for (cell, width) in cells.iter().zip(&widths).skip(1) {
             out.push_str(&format!("  {cell:>width$}"));
         }
-        out.push('\n');
+        out + "\n"
+    };
+    let mut out = head(name, measured);
+    out.push('\n');
+    out.push_str(&line(&lines[0]));
+    let mut before = measured.rows.first().map(|row| row.setting.knob);
+    for (row, cells) in measured.rows.iter().zip(&lines[1..]) {
+        if before != Some(row.setting.knob) {
+            out.push('\n');
+            before = Some(row.setting.knob);
+        }
+        out.push_str(&line(cells));
+    }
+    out.push('\n');
+    out.push_str(LEGEND);
+    if bounds != Bounds::default() {
+        out.push_str(&match bounds.choose(measured) {
+            Some(row) => format!("\nWithin the bounds: {}\n  {}\n", row.setting.name, row.setting.accuracy),
+            None => "\nNo setting is within the bounds.\n".to_string(),
+        });
     }
     out
+}
+
+/// What was measured, and how.
+fn head(name: &str, measured: &Tradeoffs) -> String {
+    let (width, height) = measured.size;
+    let timed = match &measured.timing {
+        Some(t) => format!(
+            "Times are of {}x{} pixels on {}, by {}, in the median of {} rounds, with how far the quartiles are apart.",
+            t.size.0, t.size.1, t.device, t.clock, t.rounds
+        ),
+        None => "No times were taken.".to_string(),
+    };
+    let undecided = match measured.truth.undecided() {
+        0 => "of all pixels the truth is proved".to_string(),
+        1 => "of 1 pixel the truth is not proved: it counts nowhere".to_string(),
+        n => format!("of {n} pixels the truth is not proved: they count nowhere"),
+    };
+    format!("{name}: {width}x{height} pixels; {undecided}.\n{timed}\n")
+}
+
+/// What the columns are.
+const LEGEND: &str = "\
+* no other setting is as fast and as exact. Evaluations of the field are of all of a pixel's rays, steps of that from the eye.
+lost: out of steps. false: a surface where none is within 0.1 px, or none where one is. depth: how far hits are from the
+surface, in px along the normal. normal: what 99 % of the normals are off at most. flicker: pixels that change as the true
+ones do not when the camera moves by 0.01 px. rms: to the true colours of the same rays, in codes of 255; seen: pixels that
+are off by more than 4 codes. aliasing: rms to the mean of each pixel's area.
+";
+
+/// Says that the device is not what was preferred, where that is so.
+pub fn note_fallback(measured: &Tradeoffs, terminal: &Terminal) {
+    if let Some(why) = measured.timing.as_ref().and_then(|timing| timing.fallback.as_ref()) {
+        terminal.note(&format!("timed on the CPU: {}", why.lines().next().unwrap_or_default()));
+    }
 }

@@ -1,0 +1,141 @@
+//! `--max-error` and `--max-time`: the cheapest setting that satisfies them, measured for the scene on the device.
+
+use super::why::digits;
+use super::{failed, page};
+use crate::arguments::BoundArguments;
+use crate::failure::Failure;
+use crate::input;
+use crate::progress::Progress;
+use crate::terminal::Terminal;
+use sdfc::tradeoff::{Bounds, NEAR, Row, Session, Stopwatch, Subject, Tradeoffs, candidates};
+use sdfc::{Clock, Compiled, Device, Frame, Options};
+use std::time::Duration;
+
+/// The most pixels of the picture whose errors are found: a larger one is made smaller for that, not for the times.
+const MOST: u32 = 320 * 180;
+
+/// For how long pictures are timed where nobody says, in seconds.
+const BUDGET: f64 = 10.0;
+
+/// A setting that was chosen for a scene, with all that it was chosen from.
+pub struct Chosen {
+    /// All that was measured.
+    pub measured: Tradeoffs,
+    /// The place of the setting among those.
+    pub place: usize,
+}
+
+impl Chosen {
+    /// The setting, measured.
+    pub fn row(&self) -> &Row {
+        &self.measured.rows[self.place]
+    }
+}
+
+/// The scene, how it is compiled, and the picture that bounds are about.
+pub struct Wanted<'a> {
+    pub source: &'a input::Scene,
+    pub options: &'a Options,
+    pub compiled: &'a Compiled,
+    pub frame: &'a Frame,
+    pub device: &'a Device,
+}
+
+/// Chooses a setting, and says which; nothing where there is no bound.
+pub fn choose(
+    arguments: &BoundArguments,
+    wanted: &Wanted,
+    terminal: &Terminal,
+    clock: &mut Clock,
+) -> Result<Option<Chosen>, Failure> {
+    let bounds = arguments.bounds();
+    if !arguments.are_any() {
+        return Ok(None);
+    }
+    let Wanted { source, options, compiled, frame, device } = wanted;
+    let (scene, _) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
+    let subject = Subject { name: &source.name, text: &source.text, options };
+    let session = Session::new(subject, smaller(frame), bounds.error.unwrap_or(NEAR));
+    let stopwatch =
+        Stopwatch { device, frame, budget: Duration::from_secs_f64(arguments.budget.unwrap_or(BUDGET)) };
+    let progress = Progress::new("measuring");
+    let show = |part| progress.show(part);
+    let measured = session.measure(&candidates(scene.accuracy), Some(&stopwatch), &show, clock);
+    progress.end();
+    let measured = measured.map_err(|error| failed(error, compiled, terminal))?;
+    page::note_fallback(&measured, terminal);
+    let place = match bounds.choose(&measured) {
+        Some(chosen) => measured.rows.iter().position(|row| std::ptr::eq(row, chosen)).unwrap_or(0),
+        None => return Err(none(&bounds, &measured)),
+    };
+    let chosen = Chosen { measured, place };
+    terminal.note(&said(chosen.row(), frame));
+    Ok(Some(chosen))
+}
+
+/// What was chosen.
+fn said(row: &Row, frame: &Frame) -> String {
+    format!("chosen: `{}`, {}\n{}", row.setting.name, figures(row, frame), row.setting.accuracy)
+}
+
+/// What a setting takes, and how far off it is.
+fn figures(row: &Row, frame: &Frame) -> String {
+    let time = row.time.map_or("no time".into(), |time| {
+        format!("{} ms at {}x{}", digits(time.median.as_secs_f64() * 1e3), frame.width, frame.height)
+    });
+    let errors = &row.errors;
+    format!(
+        "{time}, hits off by up to {} px, {} false hits, {} false misses, rms {} of 255",
+        digits(errors.depth[2]),
+        errors.false_hits,
+        errors.false_misses,
+        digits(errors.rms)
+    )
+}
+
+/// Nothing that was measured satisfies the bounds.
+pub(super) fn none(bounds: &Bounds, measured: &Tradeoffs) -> Failure {
+    let (width, height) = measured.timing.as_ref().map_or(measured.size, |timing| timing.size);
+    let frame = Frame::new(width, height);
+    let fastest =
+        measured.rows.iter().filter(|row| row.time.is_some()).min_by_key(|row| row.time.map(|t| t.median));
+    let nearest = measured.rows.iter().min_by(|a, b| {
+        let wrong = |row: &Row| (row.errors.false_hits + row.errors.false_misses, row.errors.depth[2]);
+        wrong(a).partial_cmp(&wrong(b)).unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let (closest, help) = match (bounds.error, bounds.time) {
+        (_, None) => (nearest, "allow a larger error"),
+        (None, Some(_)) => {
+            (fastest, "allow more time, or draw fewer pixels; `sdfc explain` says what takes the time")
+        }
+        (Some(_), Some(_)) => (nearest, "allow a larger error or more time"),
+    };
+    let closest = closest.map_or(String::new(), |row| {
+        format!("; the closest is `{}`: {}", row.setting.name, figures(row, &frame))
+    });
+    Failure::call(format!("no setting satisfies the bounds{closest}")).help(help)
+}
+
+/// A picture of the same form that has not too many pixels to be compared with the truth.
+fn smaller(frame: &Frame) -> Frame {
+    let pixels = u64::from(frame.width) * u64::from(frame.height);
+    if pixels <= u64::from(MOST) {
+        return frame.clone();
+    }
+    let scale = (f64::from(MOST) / pixels as f64).sqrt();
+    let side = |side: u32| ((f64::from(side) * scale) as u32).max(1);
+    Frame { width: side(frame.width), height: side(frame.height), ..frame.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_pictures_are_compared_smaller() {
+        assert_eq!(smaller(&Frame::new(320, 180)), Frame::new(320, 180));
+        assert_eq!(smaller(&Frame::new(1920, 1080)), Frame::new(320, 180));
+        let tall = smaller(&Frame::new(1, 16_384 * 16));
+        assert_eq!(tall.width, 1);
+    }
+}

@@ -16,6 +16,7 @@ pub mod march;
 pub mod numbers;
 pub mod pages;
 pub mod pictures;
+pub mod presets;
 pub mod prices;
 pub mod reference;
 pub mod rewriting;

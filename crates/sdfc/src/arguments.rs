@@ -238,7 +238,7 @@ pub struct CostArguments {
     /// The scene; `-` reads standard input
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// The size of the picture that is measured, in pixels
+    /// The size of the picture that is timed, in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "320x180", value_parser = size)]
     pub size: (u32, u32),
     /// The time in seconds, at least 0
@@ -253,6 +253,10 @@ pub struct CostArguments {
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]
     pub no_time: bool,
+    /// The size of the picture that is compared with the truth, in pixels; by default that which is timed, or a smaller one of
+    /// the same form if the scene would else take minutes
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub compare: Option<(u32, u32)>,
     /// Walk from the scene's own setting, or from that which satisfies the bounds, to the exact one, a setting at a time, and say
     /// what each step costs and buys
     #[arg(long)]

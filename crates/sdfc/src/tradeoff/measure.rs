@@ -14,6 +14,14 @@ use sdf_render::columns::{Columns, coordinates};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+/// How many operations of the field a picture may take that many settings are compared in: an evaluation's, times the evaluations
+/// of all its pixels.
+const OPERATIONS: f64 = 6e8;
+/// The most pixels of such a picture.
+const MOST_PIXELS: f64 = 320.0 * 180.0;
+/// The smallest side of a picture in which settings are compared, unless that which is timed is smaller.
+const LEAST_SIDE: u32 = 16;
+
 /// Which part of the progress is that of taking times, where they are taken.
 const TIMING: f64 = 0.5;
 
@@ -26,6 +34,21 @@ pub struct Subject<'a> {
     pub text: &'a str,
     /// How it is compiled, whatever the setting.
     pub options: &'a Options,
+}
+
+/// The picture in which settings are compared with the truth: that of a frame, or a smaller one of the same form if the
+/// interpreter would take minutes for it. It depends on the scene alone, not on the machine.
+pub fn compared(shader: &Shader, frame: &Frame) -> Frame {
+    let scaled = |scale: f64| {
+        let side = |side: u32| ((f64::from(side) * scale).round() as u32).max(side.min(LEAST_SIDE));
+        Frame { width: side(frame.width), height: side(frame.height), ..frame.clone() }
+    };
+    let evaluations = shader.evaluations(&scaled(0.1), |_| {}).mean;
+    let pixels = f64::from(frame.width) * f64::from(frame.height);
+    let work = evaluations * shader.cost.map as f64 * pixels;
+    // No scene is so small that pixels do not count.
+    let scale = (OPERATIONS / work).min(MOST_PIXELS / pixels).sqrt();
+    if scale < 1.0 { scaled(scale) } else { frame.clone() }
 }
 
 /// How pictures are timed.
@@ -69,8 +92,8 @@ impl<'a> Session<'a> {
         Session { subject, frame, near, known: OnceLock::new() }
     }
 
-    /// Measures the scene with these settings; ratios of times are to the first. Of settings that change nothing in the program
-    /// of an earlier one only presets are kept. Without a stopwatch no times are taken.
+    /// Measures the scene with these settings; ratios of times are to the first. Those that mean the same program are measured
+    /// once. Without a stopwatch no times are taken.
     pub fn measure(
         &self,
         settings: &[Setting],
@@ -108,8 +131,9 @@ impl<'a> Session<'a> {
             (time.map(|time| time.median.as_secs_f64()), measured[i].errors.rms)
         };
         let on_frontier = frontier(&(0..compiled.len()).map(point).collect::<Vec<_>>());
-        let rows = places.into_iter().map(|(setting, i)| Row {
-            setting,
+        let rows = settings.iter().zip(places).map(|(setting, i)| Row {
+            setting: setting.clone(),
+            is_again: compiled[i].setting != *setting,
             time: time(i),
             evaluations: measured[i].evaluations,
             steps: measured[i].steps,
@@ -128,21 +152,18 @@ impl<'a> Session<'a> {
         Ok(Tradeoffs { size: (self.frame.width, self.frame.height), timing, truth: truth.clone(), rows })
     }
 
-    /// The scene with all settings that differ, and of each setting that is kept where it is among them.
-    fn compile(&self, settings: &[Setting]) -> Result<(Vec<Compiled>, Vec<(Setting, usize)>), MeasureError> {
+    /// The scene with all settings that differ, and of each setting where it is among them.
+    fn compile(&self, settings: &[Setting]) -> Result<(Vec<Compiled>, Vec<usize>), MeasureError> {
         let all: Vec<(Scene, Shader)> = settings
             .par_iter()
             .map(|setting| self.subject.compile(Some(setting.accuracy)))
             .collect::<Result<_, _>>()?;
-        let (mut compiled, mut places): (Vec<Compiled>, Vec<(Setting, usize)>) = (Vec::new(), Vec::new());
+        let (mut compiled, mut places): (Vec<Compiled>, Vec<usize>) = (Vec::new(), Vec::new());
         for (setting, (scene, shader)) in settings.iter().zip(all) {
-            match compiled.iter().position(|other| other.shader.program == shader.program) {
-                Some(_) if setting.preset.is_none() => {}
-                Some(same) => places.push((setting.clone(), same)),
-                None => {
-                    places.push((setting.clone(), compiled.len()));
-                    compiled.push(Compiled { setting: setting.clone(), scene, shader });
-                }
+            let same = compiled.iter().position(|other| other.shader.program == shader.program);
+            places.push(same.unwrap_or(compiled.len()));
+            if same.is_none() {
+                compiled.push(Compiled { setting: setting.clone(), scene, shader });
             }
         }
         Ok((compiled, places))

@@ -15,7 +15,7 @@ mod truth;
 pub use choose::Bounds;
 pub use errors::Errors;
 pub use frontier::frontier;
-pub use measure::{Session, Stopwatch, Subject};
+pub use measure::{Session, Stopwatch, Subject, compared};
 pub use settings::{Knob, Setting, candidates, settings, walk};
 pub use truth::{NEAR, Truth};
 
@@ -27,7 +27,7 @@ use std::time::Duration;
 /// What came of measuring a scene.
 #[derive(Debug, Clone)]
 pub struct Tradeoffs {
-    /// The size of the pictures, in pixels.
+    /// The size of the pictures that were compared with the truth, in pixels.
     pub size: (u32, u32),
     /// What drew them when times were taken, if they were.
     pub timing: Option<Timing>,
@@ -35,6 +35,14 @@ pub struct Tradeoffs {
     pub truth: Arc<Truth>,
     /// Each setting with what it costs and how far off it is, in the order in which they were asked for.
     pub rows: Vec<Row>,
+}
+
+impl Tradeoffs {
+    /// Without settings that change nothing in the program of an earlier one, unless they are presets.
+    pub fn without_repetitions(mut self) -> Tradeoffs {
+        self.rows.retain(|row| !row.is_again || row.setting.preset.is_some());
+        self
+    }
 }
 
 /// How times were taken.
@@ -57,6 +65,8 @@ pub struct Timing {
 pub struct Row {
     /// The setting.
     pub setting: Setting,
+    /// Whether it means the same program as a setting before it.
+    pub is_again: bool,
     /// The time of a picture, if there was time to take it.
     pub time: Option<Time>,
     /// How often a pixel evaluates the scene's field, in the mean.

@@ -7,12 +7,9 @@ use crate::failure::Failure;
 use crate::input;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{Bounds, NEAR, Row, Session, Stopwatch, Subject, Tradeoffs, candidates};
+use sdfc::tradeoff::{Bounds, NEAR, Row, Session, Stopwatch, Subject, Tradeoffs, candidates, compared};
 use sdfc::{Clock, Compiled, Device, Frame, Options};
 use std::time::Duration;
-
-/// The most pixels of the picture whose errors are found: a larger one is made smaller for that, not for the times.
-const MOST: u32 = 320 * 180;
 
 /// For how long pictures are timed where nobody says, in seconds.
 const BUDGET: f64 = 10.0;
@@ -53,9 +50,9 @@ pub fn choose(
         return Ok(None);
     }
     let Wanted { source, options, compiled, frame, device } = wanted;
-    let (scene, _) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
+    let (scene, shader) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
     let subject = Subject { name: &source.name, text: &source.text, options };
-    let session = Session::new(subject, smaller(frame), bounds.error.unwrap_or(NEAR));
+    let session = Session::new(subject, compared(shader, frame), bounds.error.unwrap_or(NEAR));
     let stopwatch =
         Stopwatch { device, frame, budget: Duration::from_secs_f64(arguments.budget.unwrap_or(BUDGET)) };
     let progress = Progress::new("measuring");
@@ -114,28 +111,4 @@ pub(super) fn none(bounds: &Bounds, measured: &Tradeoffs) -> Failure {
         format!("; the closest is `{}`: {}", row.setting.name, figures(row, &frame))
     });
     Failure::call(format!("no setting satisfies the bounds{closest}")).help(help)
-}
-
-/// A picture of the same form that has not too many pixels to be compared with the truth.
-fn smaller(frame: &Frame) -> Frame {
-    let pixels = u64::from(frame.width) * u64::from(frame.height);
-    if pixels <= u64::from(MOST) {
-        return frame.clone();
-    }
-    let scale = (f64::from(MOST) / pixels as f64).sqrt();
-    let side = |side: u32| ((f64::from(side) * scale) as u32).max(1);
-    Frame { width: side(frame.width), height: side(frame.height), ..frame.clone() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn large_pictures_are_compared_smaller() {
-        assert_eq!(smaller(&Frame::new(320, 180)), Frame::new(320, 180));
-        assert_eq!(smaller(&Frame::new(1920, 1080)), Frame::new(320, 180));
-        let tall = smaller(&Frame::new(1, 16_384 * 16));
-        assert_eq!(tall.width, 1);
-    }
 }

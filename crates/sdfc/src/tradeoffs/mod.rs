@@ -12,7 +12,8 @@ use crate::output::print;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
 use sdfc::tradeoff::{
-    Bounds, MeasureError, NEAR, Session, Setting, Stopwatch, Subject, candidates, settings, walk,
+    Bounds, MeasureError, NEAR, Session, Setting, Stopwatch, Subject, Tradeoffs, candidates, compared,
+    settings, walk,
 };
 use sdfc::{Clock, Compiled, DrawError, Frame, Quality};
 use std::time::Duration;
@@ -25,13 +26,17 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
     let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     shader(&compiled, terminal)?;
-    let (scene, _) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
+    let (scene, whole) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
 
     let (width, height) = arguments.size;
     let frame = Frame { time: arguments.time, ..Frame::new(width, height) };
     let subject = Subject { name: &source.name, text: &source.text, options: &options };
     let bounds = Bounds { error: arguments.max_error, time: arguments.max_time };
-    let session = Session::new(subject, frame.clone(), bounds.error.unwrap_or(NEAR));
+    let compared = match arguments.compare {
+        Some((width, height)) => Frame { width, height, ..frame.clone() },
+        None => compared(whole, &frame),
+    };
+    let session = Session::new(subject, compared, bounds.error.unwrap_or(NEAR));
     let has_bounds = bounds != Bounds::default();
     let rounds = if arguments.why && has_bounds { 2.0 } else { 1.0 };
     let stopwatch = Stopwatch {
@@ -45,6 +50,7 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
         let watch = (!arguments.no_time).then_some(&stopwatch);
         session
             .measure(settings, watch, &show, &mut clock)
+            .map(Tradeoffs::without_repetitions)
             .map_err(|error| failed(error, &compiled, terminal))
     };
     let text;

@@ -80,7 +80,7 @@ fn head(name: &str, measured: &Tradeoffs) -> String {
         1 => "of 1 pixel the truth is not proved: it counts nowhere".to_string(),
         n => format!("of {n} pixels the truth is not proved: they count nowhere"),
     };
-    format!("{name}: {width}x{height} pixels; {undecided}.\n{timed}\n")
+    format!("{name}: errors are of {width}x{height} pixels; {undecided}.\n{timed}\n")
 }
 
 /// What the columns are.

@@ -151,3 +151,47 @@ pub fn walk(from: &Setting, to: &Setting) -> Vec<Setting> {
     }
     way
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_walk_changes_one_thing_at_a_time_and_ends_where_it_should() {
+        let exact = Quality::Exact.accuracy();
+        let from = Setting::new(
+            Knob::Preset,
+            "as it is",
+            Accuracy { relax: false, normals: Normals::Central, antialias: 2, ..Quality::Draft.accuracy() },
+        );
+        let to = Setting::new(Knob::Preset, "exact", Accuracy { antialias: 2, ..exact });
+        let way = walk(&from, &to);
+        assert_eq!(way[0], from);
+        assert_eq!(way.last().map(|setting| setting.accuracy), Some(to.accuracy));
+        let mut knobs: Vec<Knob> = way[1..].iter().map(|setting| setting.knob).collect();
+        assert!(knobs.contains(&Knob::Relaxation) && knobs.contains(&Knob::Normals), "{knobs:?}");
+        knobs.dedup();
+        assert_eq!(knobs.len(), way.len() - 1, "each is changed once");
+        assert_eq!(walk(&to, &to), [to]);
+    }
+
+    #[test]
+    fn candidates_keep_the_rays_of_the_scene() {
+        let own = Accuracy { antialias: 3, tolerance: 0.7, ..Accuracy::default() };
+        let all = candidates(own);
+        assert!(all[0].is_own && all[0].accuracy == own);
+        assert!(all.iter().all(|setting| setting.accuracy.antialias == 3));
+        assert_eq!(all.iter().filter(|setting| setting.preset.is_some()).count(), 4);
+    }
+
+    #[test]
+    fn where_nothing_is_steep_there_is_no_factor_to_find() {
+        let names = |slope| -> Vec<String> {
+            settings(Accuracy::default(), slope).into_iter().map(|setting| setting.name).collect()
+        };
+        let is_there = |slope, name: &str| names(slope).iter().any(|other| other == name);
+        assert!(is_there(2.0, "one safe factor") && is_there(2.0, "factor 1") && is_there(2.0, "factor 0.3"));
+        assert!(!is_there(1.0, "one safe factor") && is_there(1.0, "factor 0.3"));
+        assert!(!is_there(f64::INFINITY, "one safe factor"));
+    }
+}

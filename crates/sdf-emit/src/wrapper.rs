@@ -223,7 +223,10 @@ fn meaning(uniform: &Uniform) -> String {
     match uniform.role {
         Role::Setting => match &*uniform.name {
             "tolerance" => "pixels: how far from the true surface a hit may be".to_owned(),
+            "steps" => "how many steps a ray is given".to_owned(),
             "far" => "how far a ray goes".to_owned(),
+            "shadow_accuracy" => "how much darker a soft shadow may be between two samples".to_owned(),
+            "occlusion_samples" => "how many samples occlusion is summed up from".to_owned(),
             other => format!("the setting {other}"),
         },
         Role::Time => "seconds".to_owned(),

@@ -8,7 +8,7 @@
 use crate::build::Builder;
 use crate::copy::{Links, inline_whole, live, mark_live};
 use crate::hash::MixMap;
-use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
+use crate::program::{Function, FunctionId, Loop, Node, Parameter, Program, RegionId, Type, Value};
 
 /// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
 /// The entry and the roots keep their parameters and results.
@@ -292,6 +292,7 @@ fn without_unused_inputs((program, roots): Rooted) -> Rooted {
         match node {
             Node::Uniform(index) => uniforms[index as usize] = true,
             Node::Global(index) => globals[index as usize] = true,
+            Node::Loop(Loop { limit: Some(limit), .. }) => uniforms[limit.uniform as usize] = true,
             _ => {}
         }
     }

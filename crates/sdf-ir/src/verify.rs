@@ -3,8 +3,9 @@
 //! A program that passes can be printed and evaluated without a check. It says nothing about what the program
 //! computes.
 
+use crate::constant::Constant;
 use crate::program::{
-    Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
+    Binary, Function, FunctionId, Limit, Loop, Node, Program, RegionId, Role, Ternary, Type, Unary, Value,
 };
 use std::fmt;
 use std::sync::Arc;
@@ -82,6 +83,8 @@ pub enum Problem {
     Frame,
     /// The frame, or what it calls, reads a global, which the frame is there to compute.
     GlobalInFrame,
+    /// The number of rounds of a loop is not that which its setting makes.
+    Limit(Limit),
     /// The default of this uniform has another type than the uniform.
     UniformDefault(u16),
 }
@@ -344,6 +347,14 @@ impl Check<'_> {
     }
 
     fn repeat(&mut self, value: Value, state: Vec<Type>, it: Loop) -> Result<Vec<Type>, Malformed> {
+        if let Some(limit) = it.limit {
+            let setting = self.program.uniforms.get(limit.uniform as usize);
+            let setting = setting.filter(|uniform| uniform.role == Role::Setting);
+            let rounds = Constant::Float(f64::from(it.count) / f64::from(limit.times));
+            if setting.is_none_or(|uniform| uniform.default != rounds) {
+                return Err(self.error(Some(value), Problem::Limit(limit)));
+            }
+        }
         self.owned(value, it.until, &state)?;
         self.yields(value, it.until, &[Type::Bool])?;
         let with_index: Vec<Type> = std::iter::once(Type::Float).chain(state.iter().copied()).collect();

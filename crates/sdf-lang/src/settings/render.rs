@@ -2,7 +2,7 @@
 
 use super::Block;
 use crate::Options;
-use crate::accuracy::{Accuracy, Correction, Normals, Quality};
+use crate::accuracy::{Accuracy, Correction, Normals, Quality, RELAX};
 use crate::eval::{Elaborator, Eval};
 use crate::ranges::Range;
 use crate::value::Value;
@@ -29,9 +29,6 @@ pub(super) const RENDER: &[&str] = &[
 const DEFAULT_FAR: f64 = 100.0;
 const DEFAULT_BOUNCES: f64 = 2.0;
 
-/// What `relax` may be.
-const RELAX: [&str; 2] = ["auto", "none"];
-
 /// What `tonemap` may be; the first is what it is where a file does not say.
 const TONEMAPS: [&str; 2] = ["none", "aces"];
 
@@ -40,20 +37,12 @@ pub(crate) fn default_of(block: &str, name: &str) -> Option<String> {
     if block != "render" {
         return None;
     }
-    let default = Accuracy::default();
     Some(match name {
-        "tolerance" => default.tolerance.to_string(),
-        "steps" => default.steps.to_string(),
         "far" => DEFAULT_FAR.to_string(),
-        "normals" => default.normals.word().into(),
-        "relax" => RELAX[usize::from(!default.relax)].into(),
-        "shadow_accuracy" => default.shadow_accuracy.to_string(),
-        "occlusion_samples" => default.occlusion_samples.to_string(),
         "bounces" => DEFAULT_BOUNCES.to_string(),
-        "antialias" => default.antialias.to_string(),
         "tonemap" => TONEMAPS[0].into(),
         "quality" => Quality::Balanced.word().into(),
-        _ => return None,
+        _ => Accuracy::default().fields().into_iter().find(|(field, _)| *field == name)?.1,
     })
 }
 
@@ -99,20 +88,26 @@ impl<'t> Elaborator<'t> {
         self.bounces = bounces > 0.0;
         let accuracy = options.accuracy.unwrap_or(own);
         self.accuracy = accuracy;
+        if options.accuracy.is_some() {
+            self.quality = None;
+        }
         let factor = match accuracy.correction {
             Correction::Derived => None,
             Correction::Factor(factor) => Some(factor),
         };
         Ok(Value::record(vec![
             (Arc::from("tolerance"), self.named_constant("tolerance", accuracy.tolerance)),
-            (Arc::from("steps"), Value::float(accuracy.steps.into())),
+            (Arc::from("steps"), self.named_constant("steps", accuracy.steps.into())),
             (Arc::from("far"), self.named_constant("far", far)),
             (Arc::from("relax"), Value::bool(accuracy.relax)),
             (Arc::from("aces"), Value::bool(tonemap == "aces")),
             (Arc::from("central"), Value::bool(accuracy.normals == Normals::Central)),
             (Arc::from("tetrahedron"), Value::bool(accuracy.normals == Normals::Tetrahedron)),
             (Arc::from("shadow_accuracy"), self.named_constant("shadow_accuracy", accuracy.shadow_accuracy)),
-            (Arc::from("occlusion_samples"), Value::float(accuracy.occlusion_samples.into())),
+            (
+                Arc::from("occlusion_samples"),
+                self.named_constant("occlusion_samples", accuracy.occlusion_samples.into()),
+            ),
             (Arc::from("antialias"), Value::float(accuracy.antialias.into())),
             (Arc::from("bounces"), Value::float(bounces)),
             (Arc::from("scaled"), Value::bool(factor.is_some_and(|factor| factor != 1.0))),
@@ -124,11 +119,10 @@ impl<'t> Elaborator<'t> {
     fn accuracy_settings(&mut self, block: &Block<'t>, options: &Options) -> Eval<Accuracy> {
         let qualities = Quality::ALL.map(Quality::word);
         let quality = self.word_setting(block, "quality", &qualities, Quality::Balanced.word());
-        let preset = quality.map(|word| {
-            let own = Quality::ALL.into_iter().find(|quality| quality.word() == word);
-            options.quality.or(own).unwrap_or(Quality::Balanced).accuracy()
-        });
-        let default = preset.unwrap_or_default();
+        let own = quality.as_ref().ok().filter(|_| block.fields.contains_key("quality"));
+        let own = own.and_then(|word| Quality::ALL.into_iter().find(|quality| quality.word() == *word));
+        self.quality = options.quality.or(own);
+        let default = self.quality.unwrap_or(Quality::Balanced).accuracy();
         let tolerance = self.static_setting(block, "tolerance", default.tolerance, TOLERANCE);
         let steps = self.static_setting(block, "steps", default.steps.into(), STEPS);
         let normals =
@@ -139,7 +133,7 @@ impl<'t> Elaborator<'t> {
         let samples = default.occlusion_samples.into();
         let occlusion_samples = self.static_setting(block, "occlusion_samples", samples, OCCLUSION_SAMPLES);
         let antialias = self.static_setting(block, "antialias", default.antialias.into(), ANTIALIAS);
-        preset?;
+        quality?;
         let normals = normals?;
         Ok(Accuracy {
             tolerance: tolerance?,

@@ -453,8 +453,8 @@ mod tests {
     use crate::build::Builder;
     use crate::constant::Constant;
     use crate::program::{
-        Binary, FunctionId, Global, List, Node, Parameter, Program, RegionId, Role, Ternary, Type, Unary,
-        Uniform, Value,
+        Binary, FunctionId, Global, Limit, List, Node, Parameter, Program, RegionId, Role, Ternary, Type,
+        Unary, Uniform, Value,
     };
 
     fn parameter(name: &str, ty: Type) -> Parameter {
@@ -689,6 +689,27 @@ mod tests {
         assert_eq!(problem(|p| p.functions[0].parameters[0].ty = Type::Vec2), Problem::Parameters);
         assert_eq!(problem(|p| p.functions[0].result_names.clear()), Problem::ResultNames);
         assert_eq!(problem(|p| p.uniforms[0].default = Constant::Bool(true)), Problem::UniformDefault(0));
+    }
+
+    #[test]
+    fn rounds_are_what_the_setting_makes() {
+        let with_limit = |count: u32, times: u32, role: Role| {
+            let mut program = program();
+            program.uniforms[0].default = Constant::Float(2.0);
+            program.uniforms[0].role = role;
+            let it = program.functions[2].nodes.iter_mut().find_map(|node| match node {
+                Node::Loop(it) => Some(it),
+                _ => None,
+            });
+            let it = it.expect("a loop");
+            (it.count, it.limit) = (count, Some(Limit { uniform: 0, times }));
+            verify(&program)
+        };
+        assert_eq!(with_limit(4, 2, Role::Setting), Ok(()));
+        let wrong = [with_limit(4, 1, Role::Setting), with_limit(2, 1, Role::Time)];
+        for wrong in wrong {
+            assert_eq!(wrong.expect_err("wrong").problem, Problem::Limit(Limit { uniform: 0, times: 1 }));
+        }
     }
 
     #[test]

@@ -435,7 +435,11 @@ impl Contexts {
         if let Some(Constant::Float(count)) = number.known() {
             return Some((count, None));
         }
-        let Repr::Frame(value) = number.repr else { return None };
+        let value = match &number.repr {
+            Repr::Frame(value) => *value,
+            Repr::Outer(_, inner) => return self.rounds(inner),
+            Repr::Static(_) | Repr::Local(..) => return None,
+        };
         let (uniform, times) = match self.stack[0].builder.node(value) {
             Node::Uniform(index) => (index, 1.0),
             Node::Binary(Binary::Multiply, a, b) => {

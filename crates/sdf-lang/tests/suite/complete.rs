@@ -219,8 +219,13 @@ fn scene_with(block: &str, field: &str) -> String {
         ("sky", "zenith") => ("", "horizon: 1,"),
         _ => ("", ""),
     };
+    // What calls for the settings of `render` stands in other blocks.
+    let others = match field.split(':').next().unwrap() {
+        "occlusion_samples" => "ambient { occlusion: 1 }",
+        _ => "",
+    };
     let paint = if block == "material" { ".paint(m)" } else { "" };
-    format!("{block} {name} {{ {beside} {field} }} scene {{ sphere(1){paint} }}")
+    format!("{block} {name} {{ {beside} {field} }} {others} scene {{ sphere(1){paint} }}")
 }
 
 #[test]
@@ -237,6 +242,7 @@ fn every_setting_has_a_row() {
     for (block, field, good, outcome, bad, code) in SETTINGS {
         let plain = match *field {
             "direction" | "position" => scene_with(block, "direction: (1, 2, 3)"),
+            "occlusion_samples" => scene_with(block, &format!("{field}: 6")),
             "horizon" | "zenith" => scene_with(block, &format!("{field}: 0")),
             _ => scene_with(block, ""),
         };

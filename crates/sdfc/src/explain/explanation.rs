@@ -16,7 +16,6 @@ pub struct Explanation {
     /// Its time, in seconds.
     pub time: f64,
     /// The preset that stands for the scene's own, if one was given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<&'static str>,
     /// The params that are frozen.
     pub set: Vec<Set>,

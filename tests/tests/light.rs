@@ -232,9 +232,9 @@ fn occlusion_is_its_definition() {
     let single = twin(
         "occlusion.sdf",
         &[
-            ("let samples = 5.5 + sqrt(2) / 4;", "let samples = 1;"),
-            ("iterate(6,", "iterate(1,"),
-            ("i < 5", "i < 1"),
+            ("let samples = count - 1 + rest;", "let samples = 1;"),
+            ("iterate(count,", "iterate(1,"),
+            ("i + 1 < count", "i < 1"),
         ],
     );
     let lifted = twin(

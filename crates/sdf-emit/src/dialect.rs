@@ -24,7 +24,9 @@ pub(crate) struct Dialect {
     /// What ends a member of a structure, and what ends the structure.
     pub structure: (&'static str, &'static str),
     /// The head of a loop of `count` rounds.
-    pub counted: fn(counter: &str, count: u32) -> String,
+    pub counted: fn(counter: &str, count: &str) -> String,
+    /// A signed whole number, which also makes one of a float.
+    pub int: &'static str,
     /// `a` of a type if `c` holds, else `b`; both languages may compute both.
     pub select: fn(ty: Type, c: &Expression, a: &Expression, b: &Expression) -> Expression,
     /// The bit-level helpers' texts.
@@ -57,6 +59,7 @@ pub(crate) static GLSL: Dialect = Dialect {
     global: |ty, x| format!("{ty} {x};"),
     function: |name, parameters, result| format!("{} {name}({parameters})", result.unwrap_or("void")),
     structure: (";", "};"),
+    int: "int",
     counted: |i, count| format!("for (int {i} = ZERO; {i} < {count}; {i}++)"),
     // `c ? a : b` is a branch for some compilers, and many branches take SwiftShader, Chromium's driver where there is no
     // graphics device, minutes or more.
@@ -93,6 +96,7 @@ pub(crate) static WGSL: Dialect = Dialect {
         None => format!("fn {name}({parameters})"),
     },
     structure: (",", "}"),
+    int: "i32",
     counted: |i, count| format!("for (var {i} = 0; {i} < {count}; {i}++)"),
     select: |_, c, a, b| Expression::call("select", &[b.clone(), a.clone(), c.clone()]),
     bits: &crate::bits::WGSL,

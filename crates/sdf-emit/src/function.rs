@@ -224,7 +224,8 @@ impl<'a> Printer<'a> {
             self.arguments.insert((l.until, i as u16), state.clone());
             self.arguments.insert((l.next, i as u16 + 1), state);
         }
-        self.line(&format!("{} {{", (self.context.dialect.counted)(&counter, l.count)));
+        let count = self.rounds(l);
+        self.line(&format!("{} {{", (self.context.dialect.counted)(&counter, &count)));
         self.indent += 1;
         let until = self.region(l.until)?;
         match self.function.node(self.function.region(l.until).results[0]) {
@@ -241,6 +242,17 @@ impl<'a> Printer<'a> {
         self.line("}");
         self.bind_variables(v, variables);
         Ok(())
+    }
+
+    /// How many rounds a loop has: a number, or a setting, so often.
+    fn rounds(&self, l: Loop) -> String {
+        let Some(limit) = l.limit else { return l.count.to_string() };
+        let setting = &self.context.symbols.uniforms[limit.uniform as usize];
+        let rounds = match limit.times {
+            1 => setting.clone(),
+            times => Expression::infix(&Expression::number(times as f32), "*", setting, Level::Product),
+        };
+        Expression::call(self.context.dialect.int, &[rounds]).text
     }
 
     /// Gives every state variable its next value, as if all at once: a variable is assigned when no value that is

@@ -41,7 +41,7 @@ pub fn emit_kernel(
     let roots: Vec<FunctionId> = program.frame.into_iter().chain([function]).collect();
     let (functions, _) = functions(program, target, &symbols, &roots)?;
     let kernel = Kernel { program, symbols: &symbols, function, dialect: target.dialect() };
-    let values = settings(program, &symbols, target);
+    let values = settings(program, &symbols, target, &[]);
     let parts = [values].into_iter().chain(globals(program, target, &symbols)).chain(functions);
     let body = parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n");
     let text = match language {

@@ -56,6 +56,9 @@ pub struct Header {
     pub lines: Vec<String>,
     /// What a page is called. It may hold any text.
     pub title: String,
+    /// What was measured of settings that are named constants: a setting's name, and the lines that stand below its constant.
+    /// They are as [`lines`](Header::lines) are.
+    pub figures: Vec<(String, Vec<String>)>,
 }
 
 /// Why there is no text.
@@ -124,7 +127,7 @@ fn print(program: &Program, target: Target, header: &Header) -> Result<String, E
     let name = |id: FunctionId| symbols.functions[id.0 as usize].as_str();
     let outcome = symbols.structures[entry.0 as usize].as_ref();
     let frame = program.frame.map(name);
-    let wrapper = Wrapper { program, symbols: &symbols, loops, frame, entry: name(entry), outcome };
+    let wrapper = Wrapper { program, symbols: &symbols, loops, frame, entry: name(entry), outcome, header };
     let body = globals(program, target, &symbols).into_iter().chain(functions).collect::<Vec<_>>().join("\n");
     let parts = [head(target, header, &wrapper), wrapper.before(target), body, wrapper.after(target)];
     Ok(parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n"))

@@ -1,6 +1,6 @@
 //! What stands before and after the functions: everything that differs between the targets of one language.
 
-use crate::Target;
+use crate::{Header, Target, comment};
 use crate::dialect::GLSL;
 use crate::expression::Expression;
 use crate::layout::UniformLayout;
@@ -22,6 +22,8 @@ pub(crate) struct Wrapper<'a> {
     pub entry: &'a str,
     /// What it returns, if there is something beside the colour.
     pub outcome: Option<&'a Structure>,
+    /// What stands at the head.
+    pub header: &'a Header,
 }
 
 impl Wrapper<'_> {
@@ -29,7 +31,7 @@ impl Wrapper<'_> {
     pub fn before(&self, target: Target) -> String {
         let loops =
             |start: &str| if self.loops { format!("\n#define ZERO {start}\n") } else { String::new() };
-        let settings = settings(self.program, self.symbols, target);
+        let settings = settings(self.program, self.symbols, target, &self.header.figures);
         match target {
             Target::Shadertoy => {
                 format!("{}{settings}{}", self.shadertoy_uniforms(), loops("min(iFrame, 0)"))
@@ -165,7 +167,12 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {{
 }
 
 /// The accuracy settings as named constants.
-pub(crate) fn settings(program: &Program, symbols: &Symbols, target: Target) -> String {
+pub(crate) fn settings(
+    program: &Program,
+    symbols: &Symbols,
+    target: Target,
+    figures: &[(String, Vec<String>)],
+) -> String {
     let mut out = String::new();
     for (uniform, Expression { text: name, .. }) in program.uniforms.iter().zip(&symbols.uniforms) {
         if uniform.role == Role::Setting {
@@ -174,6 +181,9 @@ pub(crate) fn settings(program: &Program, symbols: &Symbols, target: Target) -> 
                 Target::Wgsl => format!("const {name}: f32 = {value}; // {what}\n"),
                 _ => format!("const float {name} = {value}; // {what}\n"),
             };
+            for (_, lines) in figures.iter().filter(|(setting, _)| **setting == *uniform.name) {
+                out.extend(lines.iter().map(|line| format!("{}\n", comment(line))));
+            }
         }
     }
     if out.is_empty() { out } else { format!("\n{out}") }
@@ -223,7 +233,10 @@ fn meaning(uniform: &Uniform) -> String {
     match uniform.role {
         Role::Setting => match &*uniform.name {
             "tolerance" => "pixels: how far from the true surface a hit may be".to_owned(),
+            "steps" => "how many steps a ray is given".to_owned(),
             "far" => "how far a ray goes".to_owned(),
+            "shadow_accuracy" => "how much darker a soft shadow may be between two samples".to_owned(),
+            "occlusion_samples" => "how many samples occlusion is summed up from".to_owned(),
             other => format!("the setting {other}"),
         },
         Role::Time => "seconds".to_owned(),

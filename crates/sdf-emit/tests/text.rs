@@ -152,7 +152,7 @@ fn program() -> Program {
 
 fn header() -> Header {
     let lines = vec!["sdfc 0.1.0".into(), "one pixel: at most 256 rounds \\".into()];
-    Header { lines, title: "a scene".into() }
+    Header { lines, title: "a scene".into(), ..Header::default() }
 }
 
 #[test]

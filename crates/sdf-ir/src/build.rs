@@ -7,7 +7,7 @@ use crate::constant::Constant;
 use crate::hash::MixMap;
 use crate::interval::Axis;
 use crate::program::{
-    Binary, Evaluation, Function, FunctionId, List, Loop, Node, Parameter, Region, RegionId, Rotation,
+    Binary, Evaluation, Function, FunctionId, Limit, List, Loop, Node, Parameter, Region, RegionId, Rotation,
     Rotations, Ternary, Type, Unary, Value,
 };
 use crate::rules;
@@ -415,11 +415,22 @@ impl Builder {
         results
     }
 
-    /// A loop; see [`Loop`]. Both regions must be closed.
+    /// A loop of so many rounds at most; see [`Loop`]. Both regions must be closed.
     pub fn repeat(&mut self, count: u32, initial: &[Value], until: RegionId, next: RegionId) -> Vec<Value> {
+        self.repeat_to((count, None), initial, until, next)
+    }
+
+    /// The same, where the number may be made of a setting.
+    pub fn repeat_to(
+        &mut self,
+        (count, limit): (u32, Option<Limit>),
+        initial: &[Value],
+        until: RegionId,
+        next: RegionId,
+    ) -> Vec<Value> {
         let types: Vec<Type> = initial.iter().map(|v| self.ty(*v)).collect();
         let initial = self.list(initial);
-        self.push_tuple(Node::Loop(Loop { count, initial, until, next }), &types)
+        self.push_tuple(Node::Loop(Loop { count, limit, initial, until, next }), &types)
     }
 
     // ---- nodes

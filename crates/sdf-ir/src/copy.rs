@@ -6,7 +6,7 @@
 
 use crate::build::Builder;
 use crate::interval::{Angle, Axis};
-use crate::program::{Function, FunctionId, Loop, Node, Program, RegionId, Rotation, Type, Value};
+use crate::program::{Function, FunctionId, Limit, Loop, Node, Program, RegionId, Rotation, Type, Value};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -365,7 +365,13 @@ impl<'a> Copy<'a> {
             let results = self.region(builder, region);
             builder.close_region(results)
         });
-        builder.repeat(it.count, &initial, until, next)
+        builder.repeat_to(self.rounds(it), &initial, until, next)
+    }
+
+    /// How many rounds a loop has where it is copied to.
+    pub(crate) fn rounds(&self, it: Loop) -> (u32, Option<Limit>) {
+        let limit = it.limit.map(|limit| Limit { uniform: self.links.uniform(limit.uniform), ..limit });
+        (it.count, limit)
     }
 
     pub(crate) fn values(&self, builder: &mut Builder, values: &[Value]) -> Vec<Value> {

@@ -72,8 +72,10 @@ impl Function {
                 writeln!(f, "{:1$}else", "", 2 * depth)?;
                 self.write_region(f, otherwise, depth + 1)
             }
-            Node::Loop(Loop { count, initial, until, next }) => {
-                writeln!(f, "at most {count} rounds from {}", self.shown(self.list(initial)))?;
+            Node::Loop(Loop { count, limit, initial, until, next }) => {
+                let setting =
+                    limit.map_or_else(String::new, |limit| format!(" ({} u{})", limit.times, limit.uniform));
+                writeln!(f, "at most {count}{setting} rounds from {}", self.shown(self.list(initial)))?;
                 writeln!(f, "{:1$}until {2}", "", 2 * depth, self.header(until))?;
                 self.write_region(f, until, depth + 1)?;
                 writeln!(f, "{:1$}next {2}", "", 2 * depth, self.header(next))?;

@@ -38,8 +38,8 @@ pub use degree::is_affine;
 pub use gradient::{Gradients, gradient};
 pub use parity::is_even;
 pub use program::{
-    Binary, Function, FunctionId, Global, List, Node, Parameter, Program, Region, RegionId, Role, Rotation,
-    Ternary, Type, Unary, Uniform, Value,
+    Binary, Function, FunctionId, Global, Limit, List, Node, Parameter, Program, Region, RegionId, Role,
+    Rotation, Ternary, Type, Unary, Uniform, Value,
 };
 pub use simplify::simplify;
 pub use total::legalise;

@@ -286,12 +286,23 @@ pub enum Node {
 pub struct Loop {
     /// The largest number of rounds.
     pub count: u32,
+    /// The setting that the number is made of, if it is.
+    pub limit: Option<Limit>,
     /// The state before the first round.
     pub initial: List,
     /// Whether to stop.
     pub until: RegionId,
     /// One round.
     pub next: RegionId,
+}
+
+/// A setting as the number of rounds of a loop: texts write the setting's name and not the number, for a reader to change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Limit {
+    /// The uniform, of the role [`Setting`](Role::Setting), whose default is a whole number.
+    pub uniform: u16,
+    /// How many times as many rounds.
+    pub times: u32,
 }
 
 /// Straight-line code that takes and yields values.

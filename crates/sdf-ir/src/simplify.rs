@@ -8,7 +8,7 @@
 use crate::build::Builder;
 use crate::copy::{Links, inline_whole, live, mark_live};
 use crate::hash::MixMap;
-use crate::program::{Function, FunctionId, Node, Parameter, Program, RegionId, Type, Value};
+use crate::program::{Function, FunctionId, Loop, Node, Parameter, Program, RegionId, Type, Value};
 
 /// The program without what its entry, and the functions in `roots`, do not need, and what the roots have become.
 /// The entry and the roots keep their parameters and results.
@@ -292,6 +292,7 @@ fn without_unused_inputs((program, roots): Rooted) -> Rooted {
         match node {
             Node::Uniform(index) => uniforms[index as usize] = true,
             Node::Global(index) => globals[index as usize] = true,
+            Node::Loop(Loop { limit: Some(limit), .. }) => uniforms[limit.uniform as usize] = true,
             _ => {}
         }
     }
@@ -330,7 +331,8 @@ mod tests {
     use crate::build::Builder;
     use crate::constant::Constant;
     use crate::program::{
-        Binary, FunctionId, Global, Node, Parameter, Program, RegionId, Role, Type, Unary, Uniform, Value,
+        Binary, FunctionId, Global, Limit, Node, Parameter, Program, RegionId, Role, Type, Unary, Uniform,
+        Value,
     };
 
     fn float(name: &str) -> Parameter {
@@ -391,6 +393,26 @@ mod tests {
         });
         program.entry = Some(entry);
         insta::assert_snapshot!(simplified(&program));
+    }
+
+    /// The setting is kept that a number of rounds is made of, and nothing else reads.
+    #[test]
+    fn the_setting_of_a_loop_stays_and_is_renumbered() {
+        let steps = Uniform { role: Role::Setting, default: Constant::Float(2.0), ..uniform("steps") };
+        let mut program = Program { uniforms: vec![uniform("unused"), steps], ..Program::default() };
+        program.entry = Some(function(&mut program, "entry", &["x"], |b, x| {
+            let until = b.open_region(&[Type::Float]);
+            let no = b.bool(false);
+            b.close_region(vec![no]);
+            let next = b.open_region(&[Type::Float, Type::Float]);
+            let state = b.argument(next, 1);
+            let root = b.unary(Unary::Sqrt, state);
+            b.close_region(vec![root]);
+            b.repeat_to((4, Some(Limit { uniform: 1, times: 2 })), x, until, next)[0]
+        }));
+        let simple = simplified(&program);
+        assert_eq!(simple.uniforms.len(), 1);
+        assert!(simple.to_string().contains("at most 4 (2 u0) rounds"), "{simple}");
     }
 
     #[test]

@@ -3,8 +3,9 @@
 //! A program that passes can be printed and evaluated without a check. It says nothing about what the program
 //! computes.
 
+use crate::constant::Constant;
 use crate::program::{
-    Binary, Function, FunctionId, Loop, Node, Program, RegionId, Ternary, Type, Unary, Value,
+    Binary, Function, FunctionId, Limit, Loop, Node, Program, RegionId, Role, Ternary, Type, Unary, Value,
 };
 use std::fmt;
 use std::sync::Arc;
@@ -82,6 +83,8 @@ pub enum Problem {
     Frame,
     /// The frame, or what it calls, reads a global, which the frame is there to compute.
     GlobalInFrame,
+    /// The number of rounds of a loop is not that which its setting makes.
+    Limit(Limit),
     /// The default of this uniform has another type than the uniform.
     UniformDefault(u16),
 }
@@ -344,6 +347,14 @@ impl Check<'_> {
     }
 
     fn repeat(&mut self, value: Value, state: Vec<Type>, it: Loop) -> Result<Vec<Type>, Malformed> {
+        if let Some(limit) = it.limit {
+            let setting = self.program.uniforms.get(limit.uniform as usize);
+            let setting = setting.filter(|uniform| uniform.role == Role::Setting);
+            let rounds = Constant::Float(f64::from(it.count) / f64::from(limit.times));
+            if setting.is_none_or(|uniform| uniform.default != rounds) {
+                return Err(self.error(Some(value), Problem::Limit(limit)));
+            }
+        }
         self.owned(value, it.until, &state)?;
         self.yields(value, it.until, &[Type::Bool])?;
         let with_index: Vec<Type> = std::iter::once(Type::Float).chain(state.iter().copied()).collect();
@@ -442,8 +453,8 @@ mod tests {
     use crate::build::Builder;
     use crate::constant::Constant;
     use crate::program::{
-        Binary, FunctionId, Global, List, Node, Parameter, Program, RegionId, Role, Ternary, Type, Unary,
-        Uniform, Value,
+        Binary, FunctionId, Global, Limit, List, Node, Parameter, Program, RegionId, Role, Ternary, Type,
+        Unary, Uniform, Value,
     };
 
     fn parameter(name: &str, ty: Type) -> Parameter {
@@ -678,6 +689,27 @@ mod tests {
         assert_eq!(problem(|p| p.functions[0].parameters[0].ty = Type::Vec2), Problem::Parameters);
         assert_eq!(problem(|p| p.functions[0].result_names.clear()), Problem::ResultNames);
         assert_eq!(problem(|p| p.uniforms[0].default = Constant::Bool(true)), Problem::UniformDefault(0));
+    }
+
+    #[test]
+    fn rounds_are_what_the_setting_makes() {
+        let with_limit = |count: u32, times: u32, role: Role| {
+            let mut program = program();
+            program.uniforms[0].default = Constant::Float(2.0);
+            program.uniforms[0].role = role;
+            let it = program.functions[2].nodes.iter_mut().find_map(|node| match node {
+                Node::Loop(it) => Some(it),
+                _ => None,
+            });
+            let it = it.expect("a loop");
+            (it.count, it.limit) = (count, Some(Limit { uniform: 0, times }));
+            verify(&program)
+        };
+        assert_eq!(with_limit(4, 2, Role::Setting), Ok(()));
+        let wrong = [with_limit(4, 1, Role::Setting), with_limit(2, 1, Role::Time)];
+        for wrong in wrong {
+            assert_eq!(wrong.expect_err("wrong").problem, Problem::Limit(Limit { uniform: 0, times: 1 }));
+        }
     }
 
     #[test]

@@ -3,6 +3,9 @@
 
 use std::fmt::{self, Display, Formatter};
 
+/// What `relax` of a scene may be: for steps that are relaxed, and for those that are not.
+pub(crate) const RELAX: [&str; 2] = ["auto", "none"];
+
 /// All that trades accuracy for time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
@@ -142,16 +145,31 @@ impl Default for Accuracy {
     }
 }
 
-/// As the block of a scene that says so; what a scene cannot say is left out.
+impl Accuracy {
+    /// The fields of a block `render` that say so, with their values as written; what a scene cannot say is left out.
+    pub fn fields(&self) -> [(&'static str, String); 7] {
+        [
+            ("tolerance", self.tolerance.to_string()),
+            ("steps", self.steps.to_string()),
+            ("normals", self.normals.word().into()),
+            ("relax", RELAX[usize::from(!self.relax)].into()),
+            ("shadow_accuracy", self.shadow_accuracy.to_string()),
+            ("occlusion_samples", self.occlusion_samples.to_string()),
+            ("antialias", self.antialias.to_string()),
+        ]
+    }
+
+    /// Those of its fields that say something else than another's.
+    pub fn fields_beside(&self, other: &Accuracy) -> Vec<(&'static str, String)> {
+        let both = self.fields().into_iter().zip(other.fields());
+        both.filter(|(own, other)| own != other).map(|(own, _)| own).collect()
+    }
+}
+
+/// As the block of a scene that says so.
 impl Display for Accuracy {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
-        let Accuracy { tolerance, steps, shadow_accuracy, occlusion_samples, antialias, .. } = self;
-        let relax = if self.relax { "auto" } else { "none" };
-        let normals = self.normals.word();
-        write!(
-            f,
-            "render {{ tolerance: {tolerance}, steps: {steps}, relax: {relax}, normals: {normals}, \
-            shadow_accuracy: {shadow_accuracy}, occlusion_samples: {occlusion_samples}, antialias: {antialias} }}"
-        )
+        let fields = self.fields().map(|(name, value)| format!("{name}: {value}"));
+        write!(f, "render {{ {} }}", fields.join(", "))
     }
 }

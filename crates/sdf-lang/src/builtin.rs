@@ -443,7 +443,7 @@ impl<'t> Elaborator<'t> {
     /// `iterate(n, first, |i, s| next, until: |s| condition)`: the loop that runs in the shader.
     fn iterate(&mut self, arguments: &[Option<Value<'t>>], span: Span) -> Eval<Value<'t>> {
         let (Some(first), Some(next)) = (&arguments[1], &arguments[2]) else { unreachable!("fits") };
-        let Some(Constant::Float(n)) = number(arguments, 0).known() else {
+        let Some((n, limit)) = self.contexts.rounds(&number(arguments, 0)) else {
             return self.report(errors::not_static(span, "the number of rounds"));
         };
         if n < 0.0 || n.fract() != 0.0 || n > 65_536.0 {
@@ -457,6 +457,7 @@ impl<'t> Elaborator<'t> {
         // Inside a loop that runs in the shader each trial would be made twice for each loop round it.
         let is_tried = !self.in_loop || !mentions_dynamic(next);
         if is_tried
+            && limit.is_none()
             && initial.iter().all(|n| n.known().is_some())
             && let Some(last) = self.iterate_now(n as u32, &template, next, arguments[3].as_ref(), span)?
         {
@@ -490,7 +491,8 @@ impl<'t> Elaborator<'t> {
         self.contexts.builder().close_region(after_values);
         stop?;
         after?;
-        let results = self.contexts.builder().repeat(n as u32, &values, until_region, next_region);
+        let results =
+            self.contexts.builder().repeat_to((n as u32, limit), &values, until_region, next_region);
         self.unflatten(&template, &results)
     }
 

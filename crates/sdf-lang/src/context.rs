@@ -13,8 +13,8 @@ use sdf_ir::cost::Operations;
 use sdf_ir::hash::MixMap;
 use sdf_ir::interval::{Angle, Axis};
 use sdf_ir::{
-    Binary, Builder, Constant, Function, FunctionId, Global, Node, Parameter, Program, RegionId, Rotation,
-    Ternary, Type, Unary,
+    Binary, Builder, Constant, Function, FunctionId, Global, Limit, Node, Parameter, Program, RegionId,
+    Rotation, Ternary, Type, Unary,
 };
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -425,6 +425,39 @@ impl Contexts {
             Node::Uniform(index) => {
                 let uniform = &self.program.uniforms[index as usize];
                 (uniform.role == sdf_ir::Role::Setting).then_some(uniform.default)
+            }
+            _ => None,
+        }
+    }
+
+    /// How many rounds of a loop a number means: it is static, or a setting, or a setting so often.
+    pub fn rounds(&self, number: &Number) -> Option<(f64, Option<Limit>)> {
+        if let Some(Constant::Float(count)) = number.known() {
+            return Some((count, None));
+        }
+        let value = match &number.repr {
+            Repr::Frame(value) => *value,
+            Repr::Outer(_, inner) => return self.rounds(inner),
+            Repr::Static(_) | Repr::Local(..) => return None,
+        };
+        let (uniform, times) = match self.stack[0].builder.node(value) {
+            Node::Uniform(index) => (index, 1.0),
+            Node::Binary(Binary::Multiply, a, b) => {
+                let nodes = [a, b].map(|operand| self.stack[0].builder.node(operand));
+                let ([Node::Float(bits), Node::Uniform(index)] | [Node::Uniform(index), Node::Float(bits)]) =
+                    nodes
+                else {
+                    return None;
+                };
+                (index, f64::from_bits(bits))
+            }
+            _ => return None,
+        };
+        let of = &self.program.uniforms[uniform as usize];
+        let is_whole = times >= 1.0 && times.fract() == 0.0 && times <= f64::from(u16::MAX);
+        match (of.role, of.default) {
+            (sdf_ir::Role::Setting, Constant::Float(default)) if is_whole => {
+                Some((default * times, Some(Limit { uniform, times: times as u32 })))
             }
             _ => None,
         }

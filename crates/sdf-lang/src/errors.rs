@@ -261,9 +261,9 @@ pub(crate) fn not_a_distance(span: Span, found: &str) -> Diagnostic {
 
 pub(crate) fn no_shares(span: Span) -> Diagnostic {
     Diagnostic::new(
-        Code::E064,
+        Code::E054,
         span,
-        "mixing the materials of a field that samples shapes in a loop or branch",
+        "the materials of a field cannot be mixed that samples shapes in a loop or branch",
     )
     .label("a painted shape is sampled inside `iterate` or an `if`")
     .help("paint the whole field instead")
@@ -308,12 +308,6 @@ pub(crate) fn setting_twice(name: &Name, first: Span) -> Diagnostic {
 
 pub(crate) fn wrong_setting(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(Code::E063, span, message).help(help)
-}
-
-pub(crate) fn not_built_yet(span: Span, what: &str, instead: &str) -> Diagnostic {
-    Diagnostic::new(Code::E064, span, format!("{what} is not built yet"))
-        .label("part of the language, but not of sdfc so far")
-        .help(instead.to_string())
 }
 
 pub(crate) fn bad_override(span: Span, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {

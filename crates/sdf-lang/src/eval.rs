@@ -91,6 +91,8 @@ pub(crate) struct Elaborator<'t> {
     pub bounces: bool,
     /// What trades accuracy for time.
     pub accuracy: crate::Accuracy,
+    /// The preset that it is of, if one was given.
+    pub quality: Option<crate::Quality>,
     /// The names of the lights in the order of the source, and whether each ever shines: those that do are the renderer's.
     pub light_names: Vec<(Arc<str>, bool)>,
     /// Whether what is evaluated is inside a `for`.
@@ -153,6 +155,7 @@ impl<'t> Elaborator<'t> {
             in_loop: false,
             bounces: false,
             accuracy: crate::Accuracy::default(),
+            quality: None,
             light_names: Vec::new(),
             in_for: false,
             is_trial: false,

@@ -1,9 +1,10 @@
 //! What the words of the language are that are not written in it, a sentence each: built-in functions, constants,
 //! attributes and blocks of settings. For those who read about them; a test compares the lists with what there is.
 
+use crate::accuracy::{Accuracy, Quality};
 use crate::builtin;
 use crate::call::{Slot, SlotKind};
-use crate::reference::{Entry, Form};
+use crate::reference::{Entry, Form, Parameter};
 use crate::settings::default_of;
 use crate::vocabulary::vocabulary;
 use sdf_syntax::tree::TypeKind;
@@ -208,6 +209,54 @@ const BLOCKS: &[(&str, &str)] = &[
     ("material", "What a surface looks like; it has a name, or is an expression: `material { … }`."),
 ];
 
+/// What the fields of `render` are.
+const RENDER: &[(&str, &str)] = &[
+    ("tolerance", "How far from the true surface a hit may be, in pixels."),
+    ("steps", "How many steps a ray is given; twice as many where it has to take more care."),
+    ("far", "How far from the eye rays go, and farther where the camera frames a larger scene by itself."),
+    (
+        "normals",
+        "From what normals are found: from the gradient itself, `exact`, or from differences of four samples, `tetrahedron`, or of six, `central`.",
+    ),
+    (
+        "relax",
+        "Whether steps may be longer than is certain, to be taken back where they were too long: `auto` or `none`.",
+    ),
+    (
+        "shadow_accuracy",
+        "How much darker a soft shadow may be between two samples of the way to a light, as a share of the light.",
+    ),
+    ("occlusion_samples", "How many samples the occlusion of ambient light is summed up from."),
+    ("bounces", "How often a ray goes on by what mirrors it or lets it through."),
+    (
+        "antialias",
+        "How many rays a pixel has along each side of a grid, where there is an edge or a pattern in it.",
+    ),
+    ("tonemap", "How light becomes a colour: clamped, `none`, or by the curve `aces`."),
+    (
+        "quality",
+        "A preset that sets `tolerance`, `steps`, `normals`, `relax`, `shadow_accuracy`, `occlusion_samples` and `antialias`, unless the file sets them itself: `draft`, `balanced`, `fine` or `exact`.",
+    ),
+];
+
+/// What each preset of `quality` stands for.
+fn presets() -> Vec<String> {
+    let listed = |quality: Quality| {
+        let fields = quality.accuracy().fields_beside(&Accuracy::default());
+        let fields: Vec<String> =
+            fields.into_iter().map(|(name, value)| format!("{name}: {value}")).collect();
+        match &fields[..] {
+            [] => format!("`quality: {}` stands for what is so where a file does not say.", quality.word()),
+            fields => format!(
+                "`quality: {}` stands for `{}`, and else for the same.",
+                quality.word(),
+                fields.join(", ")
+            ),
+        }
+    };
+    Quality::ALL.map(listed).into()
+}
+
 /// What a scene's own shading is, and what it may call.
 const SHADING: [(&str, &str, &str); 4] = [
     (
@@ -259,7 +308,15 @@ pub fn glossary() -> Vec<Group> {
             Some(default) => format!("{name}: {default}"),
             None => name.to_string(),
         };
-        word(row, format!("{} {{ {} }}", row.0, fields.iter().map(field).collect::<Vec<_>>().join(", ")))
+        let signature =
+            format!("{} {{ {} }}", row.0, fields.iter().map(field).collect::<Vec<_>>().join(", "));
+        let mut entry = word(row, signature);
+        if row.0 == "render" {
+            entry.forms[0].parameters =
+                RENDER.iter().map(|(name, meaning)| explained(name, meaning)).collect();
+            entry.forms[0].text = presets();
+        }
+        entry
     };
     let blocks = BLOCKS.iter().map(block).collect();
     let reserved =
@@ -275,6 +332,12 @@ pub fn glossary() -> Vec<Group> {
             Group { title: "Blocks of settings", entries: blocks },
         ])
         .collect()
+}
+
+/// A field of a block, with what it means.
+fn explained(name: &str, meaning: &str) -> Parameter {
+    let (name, meaning) = (name.to_string(), Some(meaning.to_string()));
+    Parameter { name, ty: None, variadic: false, default: None, meaning }
 }
 
 /// How a built-in function is called. A type is written where it is not numbers of any.
@@ -316,6 +379,8 @@ mod tests {
         compare(reserved, sdf_syntax::token::RESERVED.iter().copied().chain(["scene"]).collect());
         let shading = SHADING.iter().map(|(name, ..)| *name).collect();
         compare(shading, crate::shading::CALLS.into_iter().chain([crate::shading::SHADE]).collect());
+        let render = words.blocks.iter().find(|(block, _)| *block == "render");
+        compare(of(RENDER), render.expect("a block").1.clone());
         compare(of(BLOCKS), words.blocks.iter().map(|(block, _)| *block).collect());
         for entry in glossary().iter().flat_map(|group| &group.entries) {
             assert!(!entry.forms.is_empty(), "{}", entry.name);

@@ -342,7 +342,17 @@ impl<'t> Names<'t> {
 }
 
 /// The names that the renderer's uniforms and constants have, which no param can have outside its file.
-const TAKEN: [&str; 7] = ["time", "mouse", "orbit", "resolution", "tolerance", "far", "steps"];
+const TAKEN: [&str; 9] = [
+    "time",
+    "mouse",
+    "orbit",
+    "resolution",
+    "tolerance",
+    "far",
+    "steps",
+    "shadow_accuracy",
+    "occlusion_samples",
+];
 
 /// The names that params have outside their files: their own, or where another has that already, with the name of
 /// their file before it.

@@ -14,7 +14,7 @@ use crate::value::{Env, Module, Number, Shape, ShapeKind, Thunk, Value, mentions
 use crate::view::View;
 use crate::{Certificate, Fact, Options, Query, Scene, Summary};
 use sdf_ir::cost::operations;
-use sdf_ir::{Constant, FunctionId, Role, Type};
+use sdf_ir::{Constant, FunctionId, Program, Role, Type};
 use sdf_syntax::tree::{Dimension, File, Record, SettingsKind};
 use sdf_syntax::{Code, Diagnostic, Severity, Sources, Span};
 use std::collections::BTreeSet;
@@ -59,7 +59,8 @@ pub(crate) fn elaborate(
             let truth = made.truth.map(|_| next());
             let query = made.query.map(|_| Query { distance: next(), gradient: next(), material: next() });
             let certificate = made.certificate.map(|_| Certificate { ray: next(), step: next() });
-            let Made { origin, accuracy, slope, facts, summary, mut effects, .. } = made;
+            let Made { origin, accuracy, slope, facts, mut summary, mut effects, .. } = made;
+            summary.settings.extend(further_settings(&accuracy, &program, map.is_some()));
             effects::settle_inputs(&mut effects, &program);
             Scene {
                 origin,
@@ -88,6 +89,21 @@ pub(crate) fn elaborate(
         diagnostics.retain(|d| d.code != Code::E052);
     }
     (scene, diagnostics, work)
+}
+
+/// The settings that the header lists where they are in the program and not as they are in a scene that says nothing: beside
+/// those that it always lists.
+fn further_settings(accuracy: &Accuracy, program: &Program, is_something: bool) -> Vec<String> {
+    let is_in = |name: &str| match name {
+        "normals" | "relax" => is_something,
+        _ => program.uniforms.iter().any(|u| u.role == Role::Setting && &*u.name == name),
+    };
+    let always = ["tolerance", "steps", "far"];
+    let changed = accuracy.fields_beside(&Accuracy::default()).into_iter();
+    changed
+        .filter(|(name, _)| !always.contains(name) && is_in(name))
+        .map(|(name, value)| format!("{name} {value}"))
+        .collect()
 }
 
 /// What is said of a scene of which no part alone is too large. Only its first word is marked.
@@ -491,7 +507,8 @@ impl<'t> Elaborator<'t> {
             },
             _ => None,
         };
-        let mut settings = Vec::new();
+        let mut settings: Vec<String> =
+            self.quality.iter().map(|quality| format!("quality {}", quality.word())).collect();
         for name in ["tolerance", "steps", "far"] {
             if let Some(Constant::Float(x)) = setting(name) {
                 settings.push(format!("{name} {x}"));

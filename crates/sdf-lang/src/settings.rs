@@ -1,7 +1,10 @@
 //! The blocks of settings: checked, completed with defaults, and handed to the renderer as records.
 
+mod render;
+
+pub(crate) use render::default_of;
+
 use crate::Options;
-use crate::accuracy::{Accuracy, Correction, Normals, Quality};
 use crate::context::Op;
 use crate::errors;
 use crate::eval::{Elaborator, Eval, Reported};
@@ -9,7 +12,8 @@ use crate::ranges::{NOT_NEGATIVE, POSITIVE, Range};
 use crate::shading::Calls;
 use crate::value::{Callable, Env, Module, Number, Value};
 use glam::DVec3;
-use sdf_ir::{Binary, Constant, Role, Ternary, Type, Unary, Uniform};
+use render::RENDER;
+use sdf_ir::{Binary, Constant, Role, Ternary, Type, Unary};
 use sdf_syntax::Span;
 use sdf_syntax::tree::{Expr, ExprKind, Name, PostfixKind, Record, SettingsKind};
 use std::collections::HashMap;
@@ -24,20 +28,6 @@ const AMBIENT: &[&str] = &["color", "occlusion", "radius"];
 const SKY: &[&str] = &["color", "horizon", "zenith"];
 const FOG: &[&str] = &["color", "density"];
 const RIM: &[&str] = &["color", "power"];
-const RENDER: &[&str] = &[
-    "tolerance",
-    "steps",
-    "far",
-    "normals",
-    "relax",
-    "shadow_accuracy",
-    "occlusion_samples",
-    "bounces",
-    "antialias",
-    "tonemap",
-    "quality",
-];
-
 /// The blocks that have one record of fields, by their words.
 pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
     ("camera", CAMERA),
@@ -49,40 +39,8 @@ pub(crate) const BLOCKS: [(&str, &[&str]); 7] = [
     ("render", RENDER),
 ];
 
-/// How far rays go where a file does not say, and how often they go on.
-const DEFAULT_FAR: f64 = 100.0;
-const DEFAULT_BOUNCES: f64 = 2.0;
-
 /// What `projection` of the camera may be.
 const PROJECTIONS: &[&str] = &["perspective", "orthographic"];
-
-/// What `relax` may be.
-const RELAX: [&str; 2] = ["auto", "none"];
-
-/// What `tonemap` may be; the first is what it is where a file does not say.
-const TONEMAPS: [&str; 2] = ["none", "aces"];
-
-/// What a setting of a block is where a file does not say, as it is written, if that is a number or a word of `render`.
-pub(crate) fn default_of(block: &str, name: &str) -> Option<String> {
-    if block != "render" {
-        return None;
-    }
-    let default = Accuracy::default();
-    Some(match name {
-        "tolerance" => default.tolerance.to_string(),
-        "steps" => default.steps.to_string(),
-        "far" => DEFAULT_FAR.to_string(),
-        "normals" => default.normals.word().into(),
-        "relax" => RELAX[usize::from(!default.relax)].into(),
-        "shadow_accuracy" => default.shadow_accuracy.to_string(),
-        "occlusion_samples" => default.occlusion_samples.to_string(),
-        "bounces" => DEFAULT_BOUNCES.to_string(),
-        "antialias" => default.antialias.to_string(),
-        "tonemap" => TONEMAPS[0].into(),
-        "quality" => Quality::Balanced.word().into(),
-        _ => return None,
-    })
-}
 
 /// The values that settings may have.
 const FIELD_OF_VIEW: Range = Range {
@@ -90,27 +48,6 @@ const FIELD_OF_VIEW: Range = Range {
     words: "more than 0 and less than 180deg; without a unit it is in radians",
 };
 const SOFTNESS: Range = Range { accepts: |x| x > 0.0, words: "more than 0; 2 is very soft, 32 nearly hard" };
-const TOLERANCE: Range = Range { accepts: |x| (1e-4..=100.0).contains(&x), words: "0.0001 to 100 pixels" };
-const STEPS: Range = Range {
-    accepts: |x| (1.0..=4096.0).contains(&x) && x.fract() == 0.0,
-    words: "a whole number from 1 to 4096",
-};
-const FAR: Range = Range { accepts: |x| (1e-6..=1e18).contains(&x), words: "1e-6 to 1e18" };
-const ANTIALIAS: Range =
-    Range { accepts: |x| (1.0..=8.0).contains(&x) && x.fract() == 0.0, words: "a whole number from 1 to 8" };
-const SHADOW_ACCURACY: Range = Range {
-    accepts: |x| (1e-4..=1.0).contains(&x),
-    words: "0.0001 to 1, the share of the light that may be missed",
-};
-const OCCLUSION_SAMPLES: Range = Range {
-    accepts: |x| (1.0..=256.0).contains(&x) && x.fract() == 0.0,
-    words: "a whole number from 1 to 256",
-};
-const BOUNCES: Range = Range {
-    accepts: |x| (0.0..=16.0).contains(&x) && x.fract() == 0.0,
-    words: "a whole number from 0 to 16",
-};
-
 /// The fields of one block that a file sets.
 struct Block<'t> {
     fields: HashMap<&'static str, &'t Expr>,
@@ -535,79 +472,6 @@ impl<'t> Elaborator<'t> {
             (Arc::from("color"), Value::Number(renamed(color, "rim_color"))),
             (Arc::from("power"), Value::Number(renamed(power, "rim_power"))),
         ]))
-    }
-
-    /// A setting that the emitted text keeps as a constant with a name, for a reader to change.
-    fn named_constant(&mut self, name: &str, value: f64) -> Value<'t> {
-        let (name, default) = (Arc::from(name), Constant::Float(value));
-        Value::Number(self.contexts.uniform(Uniform { name, ty: Type::Float, role: Role::Setting, default }))
-    }
-
-    fn render_settings(&mut self, options: &Options) -> Eval<Value<'t>> {
-        let block = self.settings_block(SettingsKind::Render, "render", RENDER);
-        // All are looked at before the first mistake ends it, so that all mistakes are reported.
-        let own = self.accuracy_settings(&block, options);
-        // A camera that frames a large scene stands far away from it.
-        let default_far = self.framed.map_or(DEFAULT_FAR, |reach| reach.max(DEFAULT_FAR));
-        let far = self.static_setting(&block, "far", default_far, FAR);
-        let tonemap = self.word_setting(&block, "tonemap", &TONEMAPS, TONEMAPS[0]);
-        let bounces = self.static_setting(&block, "bounces", DEFAULT_BOUNCES, BOUNCES);
-        let (own, far, tonemap, bounces) = (own?, far?, tonemap?, bounces?);
-        self.bounces = bounces > 0.0;
-        let accuracy = options.accuracy.unwrap_or(own);
-        self.accuracy = accuracy;
-        let factor = match accuracy.correction {
-            Correction::Derived => None,
-            Correction::Factor(factor) => Some(factor),
-        };
-        Ok(Value::record(vec![
-            (Arc::from("tolerance"), self.named_constant("tolerance", accuracy.tolerance)),
-            (Arc::from("steps"), Value::float(accuracy.steps.into())),
-            (Arc::from("far"), self.named_constant("far", far)),
-            (Arc::from("relax"), Value::bool(accuracy.relax)),
-            (Arc::from("aces"), Value::bool(tonemap == "aces")),
-            (Arc::from("central"), Value::bool(accuracy.normals == Normals::Central)),
-            (Arc::from("tetrahedron"), Value::bool(accuracy.normals == Normals::Tetrahedron)),
-            (Arc::from("shadow_accuracy"), self.named_constant("shadow_accuracy", accuracy.shadow_accuracy)),
-            (Arc::from("occlusion_samples"), Value::float(accuracy.occlusion_samples.into())),
-            (Arc::from("antialias"), Value::float(accuracy.antialias.into())),
-            (Arc::from("bounces"), Value::float(bounces)),
-            (Arc::from("scaled"), Value::bool(factor.is_some_and(|factor| factor != 1.0))),
-            (Arc::from("factor"), Value::float(factor.unwrap_or(1.0))),
-        ]))
-    }
-
-    /// What a block `render` says about accuracy: a preset, of which its other fields may change some.
-    fn accuracy_settings(&mut self, block: &Block<'t>, options: &Options) -> Eval<Accuracy> {
-        let qualities = Quality::ALL.map(Quality::word);
-        let quality = self.word_setting(block, "quality", &qualities, Quality::Balanced.word());
-        let preset = quality.map(|word| {
-            let own = Quality::ALL.into_iter().find(|quality| quality.word() == word);
-            options.quality.or(own).unwrap_or(Quality::Balanced).accuracy()
-        });
-        let default = preset.unwrap_or_default();
-        let tolerance = self.static_setting(block, "tolerance", default.tolerance, TOLERANCE);
-        let steps = self.static_setting(block, "steps", default.steps.into(), STEPS);
-        let normals =
-            self.word_setting(block, "normals", &Normals::ALL.map(Normals::word), default.normals.word());
-        let relax = self.word_setting(block, "relax", &RELAX, RELAX[usize::from(!default.relax)]);
-        let shadow_accuracy =
-            self.static_setting(block, "shadow_accuracy", default.shadow_accuracy, SHADOW_ACCURACY);
-        let samples = default.occlusion_samples.into();
-        let occlusion_samples = self.static_setting(block, "occlusion_samples", samples, OCCLUSION_SAMPLES);
-        let antialias = self.static_setting(block, "antialias", default.antialias.into(), ANTIALIAS);
-        preset?;
-        let normals = normals?;
-        Ok(Accuracy {
-            tolerance: tolerance?,
-            steps: steps? as u32,
-            relax: relax? == RELAX[0],
-            normals: Normals::ALL.into_iter().find(|kind| kind.word() == normals).unwrap_or(default.normals),
-            shadow_accuracy: shadow_accuracy?,
-            occlusion_samples: occlusion_samples? as u32,
-            antialias: antialias? as u32,
-            ..default
-        })
     }
 }
 

@@ -71,12 +71,12 @@ codes! {
     E051 "a field that gives no number"
     E052 "a field whose slope has no bound"
     E053 "a promise that does not hold"
+    E054 "a field whose materials cannot be mixed"
     // The scene and its settings.
     E060 "a file without a scene"
     E061 "a block written twice"
     E062 "a setting that does not exist"
     E063 "a setting that does not fit"
-    E064 "something that is not built yet"
     E065 "a param that does not exist or a value that it cannot have"
     // The emitted text.
     E070 "a shader that the validator refuses"

@@ -3,9 +3,10 @@
 use crate::failure::Failure;
 use anstream::stream::RawStream;
 use anstream::{AutoStream, ColorChoice};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use sdfc::tradeoff::Bounds;
-use sdfc::{Device, FileLoader, Format, Language, Options, Target, View, reason};
+use sdfc::{Device, FileLoader, Format, Language, Options, Quality, Target, View, reason};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -94,6 +95,9 @@ pub struct CompileArguments {
     /// Print what the compiler has made of the scene, to standard output
     #[arg(long, value_name = "STAGES", value_delimiter = ',')]
     pub emit: Vec<Stage>,
+    /// The preset.
+    #[command(flatten)]
+    pub quality: QualityArguments,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
@@ -135,6 +139,9 @@ pub struct RenderArguments {
     /// In which language a graphics device is given the shader
     #[arg(long, value_name = "LANGUAGE", default_value = "wgsl", hide = true)]
     pub shader: ShaderLanguage,
+    /// The preset.
+    #[command(flatten)]
+    pub quality: QualityArguments,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
@@ -165,6 +172,9 @@ pub struct CheckArguments {
     /// The size of the pictures that are judged, in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "64x36", value_parser = size, requires = "certify")]
     pub size: (u32, u32),
+    /// The preset.
+    #[command(flatten)]
+    pub quality: QualityArguments,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
@@ -224,6 +234,9 @@ pub struct ExplainArguments {
     /// Print an object of JSON, with all shapes and all digits
     #[arg(long)]
     pub json: bool,
+    /// The preset.
+    #[command(flatten)]
+    pub quality: QualityArguments,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,
@@ -344,6 +357,21 @@ impl SetArguments {
         })?;
         Ok(Options { set: self.values.clone(), imports: loader.imports(), ..Options::default() })
     }
+}
+
+/// The preset that pictures are made by.
+#[derive(Debug, Args, Default, PartialEq)]
+pub struct QualityArguments {
+    /// How accurate the picture is: stands for the `quality` of the scene, whose other settings win over it
+    #[arg(long = "quality", value_name = "PRESET", value_parser = preset())]
+    pub preset: Option<Quality>,
+}
+
+/// Reads a preset by its word.
+fn preset() -> impl TypedValueParser<Value = Quality> {
+    let words = PossibleValuesParser::new(Quality::ALL.map(Quality::word));
+    let of = |word: String| Quality::ALL.into_iter().find(|quality| quality.word() == word);
+    words.map(move |word| of(word).expect("only its words are taken"))
 }
 
 /// Whether messages are coloured.

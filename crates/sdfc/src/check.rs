@@ -57,7 +57,9 @@ fn check(
         }
     };
     let (probe, certificate) = (arguments.certify, arguments.certify);
-    let options = Options { attack: Some(ATTACK), probe, certificate, ..arguments.set.options(path)? };
+    let quality = arguments.quality.preset;
+    let options =
+        Options { attack: Some(ATTACK), probe, certificate, quality, ..arguments.set.options(path)? };
     let mut compiled = sdfc::compile(&source.name, &source.text, &options, clock);
     if is_for_import(&compiled) {
         // Nothing is missing in a file that others import; what else is wrong in it has been found.

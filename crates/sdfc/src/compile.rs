@@ -30,7 +30,8 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     // Whoever looks at a page can look around.
     let orbit = format == Some(Format::Page);
     let facts = arguments.emit.contains(&Stage::Facts);
-    let options = Options { orbit, facts, ..arguments.set.options(scene)? };
+    let options =
+        Options { orbit, facts, quality: arguments.quality.preset, ..arguments.set.options(scene)? };
     let mut compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     if let Some(chosen) = chosen(arguments, &source, &options, &compiled, terminal, &mut clock)? {

@@ -81,5 +81,5 @@ pub(crate) fn header(title: &str, summary: &Summary, cost: &Cost) -> Header {
     if cost.iterations > ITERATION_LIMIT {
         lines.push(format!("Warning: drivers are likely to give up above {ITERATION_LIMIT} rounds."));
     }
-    Header { lines, title: title.to_owned() }
+    Header { lines, title: title.to_owned(), figures: Vec::new() }
 }

@@ -18,7 +18,11 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
     let view = arguments.view.map_or(View::Picture, View::from);
-    let options = Options { view: Some(view), ..arguments.set.options(&arguments.scene)? };
+    let options = Options {
+        view: Some(view),
+        quality: arguments.quality.preset,
+        ..arguments.set.options(&arguments.scene)?
+    };
     let mut compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     shader(&compiled, terminal)?;
@@ -127,6 +131,9 @@ fn png(
     let mut settings = format!("--size {width}x{height} --time {}", arguments.time);
     if let Some(view) = arguments.view.and_then(|view| view.to_possible_value()) {
         settings.push_str(&format!(" --view {}", view.get_name()));
+    }
+    if let Some(quality) = arguments.quality.preset {
+        settings.push_str(&format!(" --quality {}", quality.word()));
     }
     for (name, value) in &arguments.set.values {
         settings.push_str(&format!(" --set {name}={value}"));

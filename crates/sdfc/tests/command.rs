@@ -430,6 +430,29 @@ fn a_picture_is_drawn_on_the_cpu() {
     assert_eq!(text("Software"), Some(concat!("sdfc ", env!("CARGO_PKG_VERSION"))));
 }
 
+/// The preset stands for that of the file, and not for what the file sets besides; it is told where the picture and the text say
+/// how they were made.
+#[test]
+fn a_preset_is_given_from_outside() {
+    let scene = "render { quality: exact, steps: 77 } scene { sphere(0.5) }";
+    let folder = Folder::new(&[("scene.sdf", scene.as_bytes())]);
+    let head = |call: &str| {
+        let run = folder.run(call).succeeds();
+        run.text().lines().find(|line| line.contains("Settings: ")).expect("a line of settings").to_string()
+    };
+    let fine = head("scene.sdf --target wgsl --quality fine");
+    assert!(fine.contains("Settings: quality fine, ") && fine.contains("steps 77, far 100"), "{fine}");
+    let own = head("scene.sdf --target wgsl");
+    assert!(own.contains("Settings: quality exact, ") && own != fine, "{own}");
+    folder.run("render scene.sdf -o a.png --device cpu --size 8x4 --quality draft").succeeds();
+    let (.., texts) = decode(&folder.read("a.png"));
+    let settings = texts.iter().find(|(keyword, _)| keyword == "Settings").map(|(_, text)| text.as_str());
+    assert_eq!(settings, Some("--size 8x4 --time 0 --quality draft"));
+    folder
+        .run("scene.sdf --target wgsl --quality finest")
+        .fails(2, &["finest", "draft, balanced, fine, exact"]);
+}
+
 /// Rays that run out of steps are told, with the place that sets them, whatever is drawn; where warnings are denied,
 /// nothing is written.
 #[test]

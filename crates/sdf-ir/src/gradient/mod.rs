@@ -319,7 +319,7 @@ impl Walk<'_> {
         yielded.extend(self.flattened(builder, &self.all_slopes(results), &moves));
         builder.close_region(yielded);
 
-        let results = builder.repeat(it.count, &state, until, next);
+        let results = builder.repeat_to(self.copy.rounds(it), &state, until, next);
         self.yielded(builder, value, results, &moves)
     }
 

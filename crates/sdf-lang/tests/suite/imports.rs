@@ -127,7 +127,8 @@ fn params_of_one_name_stay_apart() {
 /// The renderer's own uniforms and a param of one of their names are different things.
 #[test]
 fn a_param_may_have_the_name_of_an_input() {
-    for name in ["time", "mouse", "orbit", "resolution", "tolerance", "far", "steps"] {
+    let settings = ["tolerance", "far", "steps", "shadow_accuracy", "occlusion_samples"];
+    for name in ["time", "mouse", "orbit", "resolution"].into_iter().chain(settings) {
         let text = format!("param {name} = 2 in 0..9 scene {{ sphere({name}) }}");
         assert_eq!(value(&text, &[]), 2.0, "{name}");
     }

@@ -1,5 +1,6 @@
 //! What scenes mean: each suite compiles scenes and runs the programs in `f64`.
 
+mod accuracy;
 mod attributes;
 mod complete;
 mod effects;

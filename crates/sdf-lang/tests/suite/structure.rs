@@ -1,6 +1,7 @@
 //! What a program is made of: which functions, which uniforms, and nothing that nobody asked for.
 
 use crate::scene::{scene, scene_set};
+use sdf_ir::program::{Limit, Loop};
 use sdf_ir::{Function, FunctionId, Node, Program, Role, Value};
 use sdf_lang::Scene;
 use std::collections::BTreeSet;
@@ -28,7 +29,7 @@ impl<'p> Reached<'p> {
         for node in nodes(self.program.function(id)) {
             match node {
                 Node::Call(callee, _) => self.visit(callee),
-                Node::Uniform(index) => {
+                Node::Uniform(index) | Node::Loop(Loop { limit: Some(Limit { uniform: index, .. }), .. }) => {
                     self.uniforms.insert(self.program.uniforms[index as usize].name.to_string());
                 }
                 _ => {}

@@ -15,6 +15,8 @@ pub struct Explanation {
     pub size: (u32, u32),
     /// Its time, in seconds.
     pub time: f64,
+    /// The preset that stands for the scene's own, if one was given.
+    pub quality: Option<&'static str>,
     /// The params that are frozen.
     pub set: Vec<Set>,
     /// How often a pixel evaluates the scene's field.

@@ -22,8 +22,9 @@ pub fn page(explanation: &Explanation) -> String {
 
 fn head(explanation: &Explanation) -> String {
     let Explanation { scene, size: (width, height), time, set, evaluations, operations, .. } = explanation;
+    let quality = explanation.quality.map_or_else(String::new, |quality| format!(", quality {quality}"));
     let set: String = set.iter().map(|set| format!(", {} = {}", set.name, set.value)).collect();
-    let mut out = format!("{GREEN}{scene}{RESET}: {width}x{height} pixels at {time} s{set}\n\n");
+    let mut out = format!("{GREEN}{scene}{RESET}: {width}x{height} pixels at {time} s{quality}{set}\n\n");
     let text = format!(
         "A pixel evaluates the scene's field {} times in the mean, and {} times at most. One evaluation of the distance \
          takes up to {operations} operations.",

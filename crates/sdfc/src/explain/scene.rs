@@ -13,7 +13,7 @@ use crate::progress::Progress;
 use crate::terminal::Terminal;
 use anstream::ColorChoice;
 use anstream::adapter::strip_str;
-use sdfc::{Clock, DrawError, Effect, Frame, Options, Race, Shader, Variant, race, without};
+use sdfc::{Clock, DrawError, Effect, Frame, Options, Quality, Race, Shader, Variant, race, without};
 use std::io;
 use std::path::Path;
 use std::time::Duration;
@@ -31,7 +31,7 @@ pub fn run(
     must_be_a_scene(path)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(path, terminal))?;
-    let options = arguments.set.options(path)?;
+    let options = Options { quality: arguments.quality.preset, ..arguments.set.options(path)? };
     let facts = Options { facts: true, ..options.clone() };
     let compiled = sdfc::compile(&source.name, &source.text, &facts, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
@@ -85,6 +85,7 @@ pub fn run(
         scene: source.name.clone(),
         size: arguments.size,
         time: arguments.time,
+        quality: options.quality.map(Quality::word),
         set: options.set.iter().cloned().map(|(name, value)| Set { name, value }).collect(),
         evaluations: counted[0],
         operations: whole.cost.map,

@@ -16,7 +16,7 @@ pub use choose::Bounds;
 pub use errors::Errors;
 pub use frontier::frontier;
 pub use measure::{Session, Stopwatch, Subject, compared};
-pub use settings::{Knob, Setting, candidates, settings, walk};
+pub use settings::{Knob, Setting, candidates, neighbours, settings, walk};
 pub use truth::{NEAR, Truth};
 
 use crate::draw::DrawError;

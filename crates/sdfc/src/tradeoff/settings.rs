@@ -116,6 +116,33 @@ pub fn settings(own: Accuracy, slope: f64) -> Vec<Setting> {
     all
 }
 
+/// A setting, and those that have another value of one constant that emitted texts name, a coarser one and a finer one: each with
+/// the name of that constant and its value.
+pub fn neighbours(setting: &Setting) -> Vec<(Setting, Option<(&'static str, String)>)> {
+    let now = setting.accuracy;
+    let mut all = vec![(setting.clone(), None)];
+    let mut change = |knob, name: &'static str, value: String, accuracy| {
+        let changed = Setting::new(knob, format!("{name} {value}"), accuracy);
+        all.push((changed, Some((name, value))));
+    };
+    // To two digits, as people write them.
+    let rounded = |x: f64| format!("{x:.1e}").parse::<f64>().unwrap_or(x);
+    for factor in [4.0, 0.25] {
+        let tolerance = rounded((now.tolerance * factor).clamp(1e-4, 100.0));
+        change(Knob::Tolerance, "tolerance", tolerance.to_string(), Accuracy { tolerance, ..now });
+        let steps = (f64::from(now.steps) / factor).clamp(1.0, 4096.0) as u32;
+        change(Knob::Steps, "steps", steps.to_string(), Accuracy { steps, ..now });
+        let shadow_accuracy = rounded((now.shadow_accuracy * factor).clamp(1e-4, 1.0));
+        let accuracy = Accuracy { shadow_accuracy, ..now };
+        change(Knob::Shadows, "shadow_accuracy", shadow_accuracy.to_string(), accuracy);
+        let occlusion_samples = (f64::from(now.occlusion_samples) / factor.sqrt()).clamp(1.0, 256.0) as u32;
+        let accuracy = Accuracy { occlusion_samples, ..now };
+        change(Knob::Occlusion, "occlusion_samples", occlusion_samples.to_string(), accuracy);
+    }
+    all.retain(|(other, changed)| changed.is_none() || other.accuracy != now);
+    all
+}
+
 /// The way from one setting to another, a change at a time: each with what was changed last. Both ends are in it.
 pub fn walk(from: &Setting, to: &Setting) -> Vec<Setting> {
     let mut way = vec![from.clone()];

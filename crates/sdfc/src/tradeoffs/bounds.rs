@@ -20,6 +20,8 @@ pub struct Chosen {
     pub measured: Tradeoffs,
     /// The place of the setting among those.
     pub place: usize,
+    /// What other values of the constants that texts name cost and buy, as lines for each of them, if that was asked for.
+    pub figures: Vec<(String, Vec<String>)>,
 }
 
 impl Chosen {
@@ -29,8 +31,9 @@ impl Chosen {
     }
 }
 
-/// The scene, how it is compiled, and the picture that bounds are about.
+/// The scene, how it is compiled, the picture that bounds are about, and whether other values of the constants are asked for.
 pub struct Wanted<'a> {
+    pub figures: bool,
     pub source: &'a input::Scene,
     pub options: &'a Options,
     pub compiled: &'a Compiled,
@@ -49,7 +52,7 @@ pub fn choose(
     if !arguments.are_any() {
         return Ok(None);
     }
-    let Wanted { source, options, compiled, frame, device } = wanted;
+    let Wanted { source, options, compiled, frame, device, figures } = wanted;
     let (scene, shader) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
     let subject = Subject { name: &source.name, text: &source.text, options };
     let session = Session::new(subject, compared(shader, frame), bounds.error.unwrap_or(NEAR));

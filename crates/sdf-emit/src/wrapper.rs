@@ -1,10 +1,10 @@
 //! What stands before and after the functions: everything that differs between the targets of one language.
 
-use crate::{Header, Target, comment};
 use crate::dialect::GLSL;
 use crate::expression::Expression;
 use crate::layout::UniformLayout;
 use crate::symbols::{Structure, Symbols};
+use crate::{Header, Target, comment};
 use sdf_ir::{Constant, Program, Role, Type, Uniform};
 use std::fmt::Write;
 

@@ -36,6 +36,7 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
         compiled: &compiled,
         frame: &frame,
         device: &arguments.device,
+        figures: false,
     };
     let chosen = bounds::choose(&arguments.bounds, &wanted, terminal, &mut clock)?;
     if let Some(chosen) = &chosen {

@@ -1,13 +1,15 @@
 //! `--max-error` and `--max-time`: the cheapest setting that satisfies them, measured for the scene on the device.
 
 use super::why::digits;
-use super::{failed, page};
+use super::{failed, page, why};
 use crate::arguments::BoundArguments;
 use crate::failure::Failure;
 use crate::input;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{Bounds, NEAR, Row, Session, Stopwatch, Subject, Tradeoffs, candidates, compared};
+use sdfc::tradeoff::{
+    Bounds, NEAR, Row, Session, Setting, Stopwatch, Subject, Tradeoffs, candidates, compared, neighbours,
+};
 use sdfc::{Clock, Compiled, Device, Frame, Options};
 use std::time::Duration;
 
@@ -56,21 +58,53 @@ pub fn choose(
     let (scene, shader) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
     let subject = Subject { name: &source.name, text: &source.text, options };
     let session = Session::new(subject, compared(shader, frame), bounds.error.unwrap_or(NEAR));
-    let stopwatch =
-        Stopwatch { device, frame, budget: Duration::from_secs_f64(arguments.budget.unwrap_or(BUDGET)) };
+    let times = if *figures { 2.0 } else { 1.0 };
+    let budget = Duration::from_secs_f64(arguments.budget.unwrap_or(BUDGET) / times);
+    let stopwatch = Stopwatch { device, frame, budget };
     let progress = Progress::new("measuring");
-    let show = |part| progress.show(part);
-    let measured = session.measure(&candidates(scene.accuracy), Some(&stopwatch), &show, clock);
-    progress.end();
-    let measured = measured.map_err(|error| failed(error, compiled, terminal))?;
-    page::note_fallback(&measured, terminal);
-    let place = match bounds.choose(&measured) {
-        Some(chosen) => measured.rows.iter().position(|row| std::ptr::eq(row, chosen)).unwrap_or(0),
-        None => return Err(none(&bounds, &measured)),
+    let mut measure = |settings: &[Setting], from: f64| {
+        let show = |part: f64| progress.show(from + part / times);
+        let measured = session.measure(settings, Some(&stopwatch), &show, clock);
+        measured.map_err(|error| failed(error, compiled, terminal))
     };
-    let chosen = Chosen { measured, place };
-    terminal.note(&said(chosen.row(), frame));
-    Ok(Some(chosen))
+    let measured = measure(&candidates(scene.accuracy), 0.0)?;
+    let Some(chosen) = bounds.choose(&measured) else { return Err(none(&bounds, &measured)) };
+    let place = measured.rows.iter().position(|row| std::ptr::eq(row, chosen)).unwrap_or(0);
+    let figures = if *figures {
+        let (settings, values): (Vec<Setting>, Vec<_>) = neighbours(&chosen.setting).into_iter().unzip();
+        lines(&measure(&settings, 0.5)?, &values)
+    } else {
+        Vec::new()
+    };
+    progress.end();
+    page::note_fallback(&measured, terminal);
+    terminal.note(&said(chosen, frame));
+    Ok(Some(Chosen { measured, place, figures }))
+}
+
+/// What other values of the constants of a text cost and buy beside the first setting, as lines for each constant.
+fn lines(measured: &Tradeoffs, values: &[Option<(&'static str, String)>]) -> Vec<(String, Vec<String>)> {
+    let mut all: Vec<(String, Vec<String>)> = Vec::new();
+    let own = &measured.rows[0];
+    for (row, value) in measured.rows.iter().zip(values) {
+        let Some((name, value)) = value else { continue };
+        // What nothing asks for is no constant of the text.
+        if row.is_again {
+            continue;
+        }
+        let line = format!(
+            "  with {value} instead: {}, {}",
+            why::cost(own, row),
+            why::bought(&own.errors, &row.errors)
+        );
+        // Comments of shaders are ASCII.
+        let line = line.replace('→', "to").replace('±', "+-").replace('°', " degrees");
+        match all.iter_mut().find(|(other, _)| other == name) {
+            Some((_, lines)) => lines.push(line),
+            None => all.push(((*name).to_string(), vec![line])),
+        }
+    }
+    all
 }
 
 /// What was chosen.

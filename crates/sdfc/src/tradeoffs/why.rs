@@ -41,7 +41,7 @@ pub fn page(name: &str, measured: &Tradeoffs) -> String {
 }
 
 /// What a step costs: the change of the time, with how far the quartiles are off, else of the evaluations.
-fn cost(from: &Row, to: &Row) -> String {
+pub fn cost(from: &Row, to: &Row) -> String {
     match (from.time, to.time) {
         (Some(a), Some(b)) => {
             let ratio = |quartile: usize| b.ratio[quartile] / a.ratio[1] - 1.0;
@@ -53,7 +53,7 @@ fn cost(from: &Row, to: &Row) -> String {
 }
 
 /// What changes by it, as far as three digits show that.
-fn bought(from: &Errors, to: &Errors) -> String {
+pub fn bought(from: &Errors, to: &Errors) -> String {
     let changes = TOLD.iter().filter_map(|(words, read, unit)| {
         let (a, b) = (digits(read(from)), digits(read(to)));
         (a != b).then(|| format!("{words} {a} → {b}{unit}"))

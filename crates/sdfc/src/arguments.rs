@@ -239,6 +239,15 @@ pub struct CostArguments {
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]
     pub no_time: bool,
+    /// Write all that was measured as an object of JSON; `-` is standard output, which then has no table
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write a line of CSV for each setting; `-` is standard output, which then has no table
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the errors against the times: a plot (.svg), or a page with the pictures of all settings (.html)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,

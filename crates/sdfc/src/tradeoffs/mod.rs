@@ -1,6 +1,15 @@
 //! `sdfc cost scene.sdf`: what accuracy costs in time, measured.
 
+mod axis;
+mod data;
+mod labels;
+mod outputs;
 mod page;
+mod pictures;
+mod plot;
+#[cfg(test)]
+mod sample;
+mod web;
 
 use crate::arguments::CostArguments;
 use crate::compile::{our_mistake, shader};
@@ -9,12 +18,14 @@ use crate::input;
 use crate::output::print;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
+use outputs::Outputs;
 use sdfc::tradeoff::{MeasureError, Stopwatch, Subject, measure, settings};
 use sdfc::{Clock, DrawError, Frame};
 use std::time::Duration;
 
-/// Measures a scene, and prints what came of it.
+/// Measures a scene, and prints or writes what came of it.
 pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let outputs = Outputs::prepare(arguments)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
     let options = arguments.set.options(&arguments.scene)?;
@@ -46,7 +57,10 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
             Failure::Scene
         }
     })?;
-    print(page::page(&source.name, &measured).as_bytes())?;
+    clock.time("write", || outputs.write(&source.name, arguments.time, &measured))?;
+    if !outputs.has_standard_output() {
+        print(page::page(&source.name, &measured).as_bytes())?;
+    }
     if arguments.timings {
         terminal.timings(&clock);
     }

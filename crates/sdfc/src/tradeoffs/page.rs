@@ -2,9 +2,10 @@
 
 use sdfc::tradeoff::{Row, Tradeoffs};
 
-type Column = (&'static str, fn(&Row) -> String);
+/// The name of a column, and what stands in it.
+pub type Column = (&'static str, fn(&Row) -> String);
 
-const COLUMNS: [Column; 14] = [
+pub const COLUMNS: [Column; 14] = [
     ("ms", |r| r.time.map_or("-".into(), |t| format!("{:.1}", t.median.as_secs_f64() * 1e3))),
     ("±", |r| r.time.map_or("-".into(), |t| format!("{:.1}", t.spread.as_secs_f64() * 1e3))),
     ("evaluations", |r| format!("{:.1}", r.evaluations)),

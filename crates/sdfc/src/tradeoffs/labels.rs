@@ -2,12 +2,12 @@
 
 /// The height of a line, and how wide a character is at most in the mean, in pixels.
 const LINE: i32 = 15;
-const WIDTH: f64 = 6.9;
+const WIDTH: f64 = 6.5;
 /// How far a name is from its point, and how much farther each time that there is no room.
 const NEAR: i32 = 9;
 const FARTHER: i32 = 8;
 /// How often a name that must be told moves on.
-const RINGS: i32 = 24;
+const RINGS: i32 = 48;
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,8 +34,8 @@ pub struct Placed {
     /// Its point.
     pub at: (i32, i32),
     pub rect: Rect,
-    /// Whether it is so far from its point that a line must lead there.
-    pub is_far: bool,
+    /// Whether a line must lead to its point, since that is far or another one is nearer.
+    pub is_led: bool,
 }
 
 impl Rect {
@@ -58,6 +58,16 @@ impl Rect {
             && self.bottom <= other.bottom
     }
 
+    /// The square of how far a point is from it.
+    fn distance(&self, at: (i32, i32)) -> i32 {
+        let (x, y) = self.nearest(at);
+        (at.0 - x).pow(2) + (at.1 - y).pow(2)
+    }
+
+    fn middle(&self) -> (i32, i32) {
+        ((self.left + self.right) / 2, (self.top + self.bottom) / 2)
+    }
+
     /// The point of it that is nearest to another.
     pub fn nearest(&self, (x, y): (i32, i32)) -> (i32, i32) {
         (x.clamp(self.left, self.right), y.clamp(self.top, self.bottom))
@@ -75,18 +85,23 @@ pub fn place(labels: &[Label], inside: &Rect, points: &[Rect], lines: &[Rect]) -
     let mut placed: Vec<Placed> = Vec::new();
     for label in labels {
         let rings = if label.must { RINGS } else { 2 };
+        let is_of_another = |rect: &Rect| {
+            let own = rect.distance(label.at);
+            points.iter().any(|point| point.middle() != label.at && rect.distance(point.middle()) <= own)
+        };
         let cost = |rect: &Rect, ring: i32| {
             let hit = |all: &[Rect]| all.iter().filter(|other| other.meets(rect)).count() as i32;
-            ring + 12 * hit(points) + 3 * hit(lines)
+            ring + 12 * hit(points) + 3 * hit(lines) + 3 * i32::from(is_of_another(rect))
         };
         let free = candidates(label, rings)
             .into_iter()
             .filter(|(rect, _)| rect.is_within(inside) && !placed.iter().any(|other| other.rect.meets(rect)));
         let best = free.min_by_key(|(rect, ring)| cost(rect, *ring));
-        let Some((rect, ring)) = best.filter(|(rect, ring)| label.must || cost(rect, *ring) < 3) else {
+        let Some((rect, ring)) = best.filter(|(rect, ring)| label.must || cost(rect, *ring) <= 4) else {
             continue;
         };
-        placed.push(Placed { text: label.text.clone(), at: label.at, rect, is_far: ring > 1 });
+        let is_led = ring > 1 || is_of_another(&rect);
+        placed.push(Placed { text: label.text.clone(), at: label.at, rect, is_led });
     }
     placed
 }
@@ -142,12 +157,22 @@ mod tests {
     }
 
     #[test]
+    fn a_name_is_nearest_to_its_own_point() {
+        let points = [(200, 150), (214, 150), (200, 164), (200, 136)].map(|at| Rect::around(at, 5));
+        let names = place(&[label("a name", (200, 150), true)], &INSIDE, &points, &[]);
+        assert_eq!((names[0].rect.right, names[0].is_led), (191, false), "{names:?}");
+        let around = [points, [(186, 150), (190, 140), (190, 160), (210, 140)].map(|at| Rect::around(at, 5))];
+        let names = place(&[label("a name", (200, 150), true)], &INSIDE, &around.concat(), &[]);
+        assert!(names[0].is_led, "{names:?}");
+    }
+
+    #[test]
     fn what_need_not_be_told_gives_way() {
-        let points: Vec<Rect> = (0..40).map(|i| Rect::around((10 * i, 150), 12)).collect();
+        let points: Vec<Rect> = (0..40).map(|i| Rect::around((10 * i, 150), 24)).collect();
         let names = |must| place(&[label("a name", (200, 150), must)], &INSIDE, &points, &[]);
         assert_eq!(names(false), []);
         let [name] = &names(true)[..] else { panic!("it must be told") };
-        assert!(name.is_far && points.iter().all(|point| !point.meets(&name.rect)), "{name:?}");
+        assert!(name.is_led && points.iter().all(|point| !point.meets(&name.rect)), "{name:?}");
         assert_eq!(place(&[label("a name", (200, 150), false)], &INSIDE, &[], &[]).len(), 1);
     }
 }

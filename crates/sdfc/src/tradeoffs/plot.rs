@@ -10,11 +10,12 @@ use sdf_emit::html::visible;
 use sdfc::tradeoff::{Knob, Row, Tradeoffs};
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::path::Path;
 
 /// The size of the plot, and where its parts begin, in pixels.
 pub const SIZE: (u32, u32) = (1040, 600);
-const TITLE: (i32, i32) = (76, 24);
-const PLOT: Rect = Rect { left: 76, top: 60, right: 790, bottom: 540 };
+const TITLE: (i32, i32) = (92, 24);
+const PLOT: Rect = Rect { left: 92, top: 60, right: 790, bottom: 540 };
 const ACROSS: (i32, i32) = (PLOT.left, PLOT.right);
 const UP: (i32, i32) = (PLOT.bottom, PLOT.top);
 const LEGEND: (i32, i32) = (812, 72);
@@ -197,7 +198,7 @@ impl Kind {
                 canvas.draw(&Rectangle::new(corners, WHITE.filled()))?;
                 canvas.draw(&Rectangle::new(corners, color.stroke_width(2)))?;
             }
-            Kind::Other => canvas.draw(&Circle::new((x, y), 4, color.filled()))?,
+            Kind::Other => canvas.draw(&Circle::new((x, y), 3, color.filled()))?,
             Kind::Preset => canvas.draw(&Circle::new((x, y), 7, color.filled()))?,
             Kind::Own => {
                 let diamond =
@@ -298,19 +299,25 @@ fn labels(points: &[Point]) -> Vec<Label> {
 
 fn draw_name(canvas: &Canvas, placed: &Placed) -> Drawn {
     let Placed { rect, at, .. } = placed;
-    if placed.is_far {
+    if placed.is_led {
         canvas.draw(&PathElement::new([*at, rect.nearest(*at)], TEXT.stroke_width(1)))?;
     }
     let corners = [(rect.left, rect.top), (rect.right, rect.bottom)];
     canvas.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled()))?;
-    let middle = ((rect.left + rect.right) / 2, (rect.top + rect.bottom) / 2);
-    write(canvas, &placed.text, middle, font(12, &TEXT), HPos::Center)
+    // What is at a side begins at its point, however wide it comes out.
+    let (x, side) = match at.0 {
+        x if x < rect.left => (rect.left, HPos::Left),
+        x if x > rect.right => (rect.right, HPos::Right),
+        _ => ((rect.left + rect.right) / 2, HPos::Center),
+    };
+    write(canvas, &placed.text, (x, (rect.top + rect.bottom) / 2), font(12, &TEXT), side)
 }
 
 fn title(canvas: &Canvas, scene: &str, measured: &Tradeoffs) -> Drawn {
     let (x, y) = TITLE;
     let (width, height) = measured.size;
-    let name = shortened(&visible(scene), 90);
+    let file = Path::new(scene).file_name().map_or(scene.into(), |name| name.to_string_lossy());
+    let name = shortened(&visible(&file), 90);
     write(canvas, &format!("What accuracy costs: {name}"), TITLE, font(17, &TEXT), HPos::Left)?;
     let text = match &measured.timing {
         None => format!("errors of {width}x{height} pixels; no times were taken"),

@@ -6,6 +6,10 @@ const WIDTH: f64 = 6.5;
 /// How far a name is from its point, and how much farther each time that there is no room.
 const NEAR: i32 = 9;
 const FARTHER: i32 = 8;
+/// How far names are apart that stand beside each other.
+const GAP: i32 = 5;
+/// At how many places of a line it is asked whether a name is there.
+const STOPS: i32 = 32;
 /// How often a name that must be told moves on.
 const RINGS: i32 = 48;
 
@@ -74,6 +78,29 @@ impl Rect {
     }
 }
 
+impl Placed {
+    /// The line to its point.
+    pub fn leader(&self) -> [(i32, i32); 2] {
+        [self.at, self.rect.nearest(self.at)]
+    }
+
+    /// Whether it is upon another name.
+    fn is_upon(&self, other: &Placed) -> bool {
+        self.rect.meets(&other.room())
+    }
+
+    /// Whether its line is.
+    fn crosses(&self, other: &Placed) -> bool {
+        let [from, to] = self.leader();
+        let on_line = |i: i32| (from.0 + (to.0 - from.0) * i / STOPS, from.1 + (to.1 - from.1) * i / STOPS);
+        self.is_led && (0..=STOPS).any(|i| Rect::around(on_line(i), 0).meets(&other.room()))
+    }
+
+    fn room(&self) -> Rect {
+        Rect { left: self.rect.left - GAP, right: self.rect.right + GAP, ..self.rect }
+    }
+}
+
 /// How wide a text is at most, in pixels.
 pub fn width(text: &str) -> i32 {
     (text.chars().count() as f64 * WIDTH).ceil() as i32
@@ -89,19 +116,21 @@ pub fn place(labels: &[Label], inside: &Rect, points: &[Rect], lines: &[Rect]) -
             let own = rect.distance(label.at);
             points.iter().any(|point| point.middle() != label.at && rect.distance(point.middle()) <= own)
         };
-        let cost = |rect: &Rect, ring: i32| {
-            let hit = |all: &[Rect]| all.iter().filter(|other| other.meets(rect)).count() as i32;
-            ring + 12 * hit(points) + 3 * hit(lines) + 3 * i32::from(is_of_another(rect))
-        };
-        let free = candidates(label, rings)
-            .into_iter()
-            .filter(|(rect, _)| rect.is_within(inside) && !placed.iter().any(|other| other.rect.meets(rect)));
-        let best = free.min_by_key(|(rect, ring)| cost(rect, *ring));
-        let Some((rect, ring)) = best.filter(|(rect, ring)| label.must || cost(rect, *ring) <= 4) else {
-            continue;
-        };
-        let is_led = ring > 1 || is_of_another(&rect);
-        placed.push(Placed { text: label.text.clone(), at: label.at, rect, is_led });
+        let candidates = candidates(label, rings).into_iter().map(|(rect, ring)| {
+            let is_led = ring > 1 || is_of_another(&rect);
+            (Placed { text: label.text.clone(), at: label.at, rect, is_led }, ring)
+        });
+        let hits = |all: &[Rect], rect: &Rect| all.iter().filter(|other| other.meets(rect)).count() as i32;
+        let free = candidates
+            .filter(|(new, _)| new.rect.is_within(inside) && !placed.iter().any(|old| old.is_upon(new)));
+        let with_cost = free.map(|(new, ring)| {
+            let crossed = placed.iter().filter(|old| old.crosses(&new) || new.crosses(old)).count() as i32;
+            let hits = 12 * hits(points, &new.rect) + 3 * hits(lines, &new.rect);
+            let cost = ring + hits + 3 * i32::from(is_of_another(&new.rect)) + 40 * crossed;
+            (new, cost)
+        });
+        let best = with_cost.min_by_key(|(_, cost)| *cost);
+        placed.extend(best.filter(|(_, cost)| label.must || *cost <= 4).map(|(new, _)| new));
     }
     placed
 }
@@ -151,7 +180,7 @@ mod tests {
             assert_eq!(placed.len(), labels.len(), "{at:?}");
             for (i, a) in placed.iter().enumerate() {
                 assert!(a.rect.is_within(&INSIDE) && !a.rect.meets(&Rect::around(at, 5)), "{a:?}");
-                assert!(placed[..i].iter().all(|b| !b.rect.meets(&a.rect)), "{placed:?}");
+                assert!(placed[..i].iter().all(|b| !b.is_upon(a)), "{placed:?}");
             }
         }
     }
@@ -164,6 +193,17 @@ mod tests {
         let around = [points, [(186, 150), (190, 140), (190, 160), (210, 140)].map(|at| Rect::around(at, 5))];
         let names = place(&[label("a name", (200, 150), true)], &INSIDE, &around.concat(), &[]);
         assert!(names[0].is_led, "{names:?}");
+    }
+
+    #[test]
+    fn no_line_goes_through_a_name() {
+        let at = |x| (x, 290);
+        let points: Vec<Rect> = (0..40).map(|i| Rect::around(at(10 * i), 9)).collect();
+        let labels = [200, 212].map(|x| label("a long name", at(x), true));
+        let placed = place(&labels, &INSIDE, &points, &[]);
+        for (i, a) in placed.iter().enumerate() {
+            assert!(a.is_led && placed[..i].iter().all(|b| !b.crosses(a) && !a.crosses(b)), "{placed:?}");
+        }
     }
 
     #[test]

@@ -14,8 +14,8 @@ use std::path::Path;
 
 /// The size of the plot, and where its parts begin, in pixels.
 pub const SIZE: (u32, u32) = (1040, 600);
-const TITLE: (i32, i32) = (92, 24);
-const PLOT: Rect = Rect { left: 92, top: 60, right: 790, bottom: 540 };
+const TITLE: (i32, i32) = (100, 24);
+const PLOT: Rect = Rect { left: 100, top: 60, right: 790, bottom: 540 };
 const ACROSS: (i32, i32) = (PLOT.left, PLOT.right);
 const UP: (i32, i32) = (PLOT.bottom, PLOT.top);
 const LEGEND: (i32, i32) = (812, 72);
@@ -300,7 +300,7 @@ fn labels(points: &[Point]) -> Vec<Label> {
 fn draw_name(canvas: &Canvas, placed: &Placed) -> Drawn {
     let Placed { rect, at, .. } = placed;
     if placed.is_led {
-        canvas.draw(&PathElement::new([*at, rect.nearest(*at)], TEXT.stroke_width(1)))?;
+        canvas.draw(&PathElement::new(placed.leader(), TEXT.stroke_width(1)))?;
     }
     let corners = [(rect.left, rect.top), (rect.right, rect.bottom)];
     canvas.draw(&Rectangle::new(corners, WHITE.mix(0.75).filled()))?;

@@ -180,7 +180,7 @@ mod tests {
             assert_eq!(placed.len(), labels.len(), "{at:?}");
             for (i, a) in placed.iter().enumerate() {
                 assert!(a.rect.is_within(&INSIDE) && !a.rect.meets(&Rect::around(at, 5)), "{a:?}");
-                assert!(placed[..i].iter().all(|b| !b.is_upon(a)), "{placed:?}");
+                assert!(placed[..i].iter().all(|b| !b.rect.meets(&a.rect)), "{placed:?}");
             }
         }
     }

@@ -12,6 +12,7 @@ mod dialect;
 mod expression;
 mod format;
 mod function;
+pub mod html;
 mod kernel;
 mod layout;
 mod names;

@@ -1,5 +1,6 @@
 //! A shader as a page that runs by itself: one file of HTML that holds the text for WebGL2, and a script round it.
 
+use crate::html::{escaped, filled};
 use crate::symbols::Symbols;
 use crate::{EmitError, Header, Target, ValidationError, emit};
 use sdf_ir::{Constant, Program, Role, Uniform};
@@ -27,14 +28,7 @@ pub(crate) fn page(program: &Program, header: &Header) -> Result<String, EmitErr
         "script" => SCRIPT,
         other => unreachable!("the page has no part {other}"),
     };
-    let mut pieces = PAGE.split("<!--{");
-    let mut out = pieces.next().unwrap_or_default().to_owned();
-    for piece in pieces {
-        let (name, rest) = piece.split_once("}-->").expect("the marks of the page are closed");
-        out.push_str(part(name));
-        out.push_str(rest);
-    }
-    Ok(out)
+    Ok(filled(PAGE, part))
 }
 
 /// What the page's sliders change, and how far the camera can be tilted, as JSON.
@@ -66,24 +60,6 @@ fn param(uniform: &Uniform, name: &str) -> Option<String> {
     Some(format!("{{\"name\": {source}, \"uniform\": {name}, \"kind\": {kind}, \"value\": {value}}}"))
 }
 
-/// A text in HTML, as an attribute or between elements. What cannot be seen becomes a space.
-fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\u{2028}' | '\u{2029}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => out.push(' '),
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 /// A text in JSON that may stand in a script: letters, digits and underscores as they are, all else by number.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
@@ -99,12 +75,10 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{escaped, quoted};
+    use super::quoted;
 
     #[test]
     fn no_text_leaves_its_place() {
-        assert_eq!(escaped("</title><script>\"'&\n"), "&lt;/title&gt;&lt;script&gt;&quot;&#39;&amp; ");
-        assert_eq!(escaped("Größe"), "Größe");
         assert_eq!(quoted("spin_2"), "\"spin_2\"");
         assert_eq!(quoted("</script>\u{2028}ü\"\\"), r#""\u003c\u002fscript\u003e\u2028\u00fc\u0022\u005c""#);
     }

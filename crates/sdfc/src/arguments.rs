@@ -280,6 +280,15 @@ pub struct CostArguments {
     /// How long a picture may take, such as 16ms
     #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true, conflicts_with = "no_time")]
     pub max_time: Option<Duration>,
+    /// Write all that was measured as an object of JSON; `-` is standard output, which then has no table
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write a line of CSV for each setting; `-` is standard output, which then has no table
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Draw the errors against the times: a plot (.svg), or a page with the pictures of all settings (.html)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,

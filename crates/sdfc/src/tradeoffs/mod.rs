@@ -1,7 +1,16 @@
 //! `sdfc cost scene.sdf`: what accuracy costs in time, measured.
 
+mod axis;
 pub mod bounds;
+mod data;
+mod labels;
+mod outputs;
 mod page;
+mod pictures;
+mod plot;
+#[cfg(test)]
+mod sample;
+mod web;
 mod why;
 
 use crate::arguments::CostArguments;
@@ -11,6 +20,7 @@ use crate::input;
 use crate::output::print;
 use crate::progress::Progress;
 use crate::terminal::Terminal;
+use outputs::Outputs;
 use sdfc::tradeoff::{
     Bounds, MeasureError, NEAR, Session, Setting, Stopwatch, Subject, Tradeoffs, candidates, compared,
     settings, walk,
@@ -18,8 +28,9 @@ use sdfc::tradeoff::{
 use sdfc::{Clock, Compiled, DrawError, Frame, Quality};
 use std::time::Duration;
 
-/// Measures a scene, and prints what came of it.
+/// Measures a scene, and prints or writes what came of it.
 pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let outputs = Outputs::prepare(arguments)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
     let options = arguments.set.options(&arguments.scene)?;
@@ -74,7 +85,10 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
     }
     progress.end();
     page::note_fallback(&measured, terminal);
-    print(text.as_bytes())?;
+    clock.time("write", || outputs.write(&source.name, arguments.time, &measured))?;
+    if !outputs.has_standard_output() {
+        print(text.as_bytes())?;
+    }
     if arguments.timings {
         terminal.timings(&clock);
     }

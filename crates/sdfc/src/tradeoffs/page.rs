@@ -4,11 +4,10 @@ use super::why::digits;
 use crate::terminal::Terminal;
 use sdfc::tradeoff::{Bounds, Row, Tradeoffs};
 
-/// The name of a column, and what it shows of a setting.
+/// The name of a column, and what stands in it.
+pub type Column = (&'static str, fn(&Row) -> String);
 
-type Column = (&'static str, fn(&Row) -> String);
-
-const COLUMNS: [Column; 14] = [
+pub const COLUMNS: [Column; 14] = [
     ("ms", |r| r.time.map_or("-".into(), |t| digits(t.median.as_secs_f64() * 1e3))),
     ("±", |r| r.time.map_or("-".into(), |t| digits(t.spread.as_secs_f64() * 1e3))),
     ("evaluations", |r| format!("{:.1}", r.evaluations)),

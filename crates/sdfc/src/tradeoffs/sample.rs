@@ -5,10 +5,10 @@ use sdfc::tradeoff::{Row, Subject, Time, Timing, Tradeoffs, frontier, measure, s
 use sdfc::{Frame, Options};
 use std::time::Duration;
 
-/// A scene whose own setting and first presets have these times in milliseconds and these errors.
+/// A scene whose own setting and presets have these times in milliseconds and these errors.
 pub fn measured(figures: &[(f64, f64)]) -> Tradeoffs {
     let mut measured = untimed();
-    let all = settings(Accuracy::default(), 1.0);
+    let all = settings(Accuracy::default(), 1.0).into_iter().filter(|s| s.is_own || s.preset.is_some());
     let row = measured.rows[0].clone();
     let on_frontier =
         frontier(&figures.iter().map(|(time, error)| (Some(*time), *error)).collect::<Vec<_>>());

@@ -1,8 +1,8 @@
 //! What a small scene is measured to be, with figures of one's own, for tests.
 
 use sdf_lang::{Accuracy, Quality};
-use sdfc::tradeoff::{Row, Subject, Time, Timing, Tradeoffs, frontier, measure, settings};
-use sdfc::{Frame, Options};
+use sdfc::tradeoff::{NEAR, Row, Session, Subject, Time, Timing, Tradeoffs, frontier, settings};
+use sdfc::{Clock, Frame, Options};
 use std::time::Duration;
 
 /// A scene whose own setting and presets have these times in milliseconds and these errors.
@@ -37,5 +37,6 @@ pub fn untimed() -> Tradeoffs {
     let options = Options::default();
     let subject = Subject { name: "a.sdf", text: "scene { sphere(1) }", options: &options };
     let own = &settings(Accuracy::default(), 1.0)[..1];
-    measure(&subject, own, &Frame::new(8, 4), None, &|_| {}).expect("the scene has no mistakes")
+    let session = Session::new(subject, Frame::new(8, 4), NEAR);
+    session.measure(own, None, &|_| {}, &mut Clock::default()).expect("the scene has no mistakes")
 }

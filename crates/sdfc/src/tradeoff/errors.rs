@@ -14,7 +14,8 @@ const FLICKERS: f64 = 2.0;
 const GRAZING: f64 = 20.0;
 const TURNED: f64 = 0.5;
 
-/// How far a picture is from the truth. Pixels of which the truth is not decided count nowhere else.
+/// How far a picture is from the truth. Pixels of which the truth is not decided count nowhere else, and those whose true colour is
+/// not known in nothing of colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
     /// Pixels of which the truth is not decided.
@@ -84,6 +85,7 @@ impl Errors {
                     match surface(truth, i, found, distances[i]) {
                         _ if found.lost => Met::OutOfSteps,
                         Some(met) => met,
+                        None if !truth.is_proved => judged(truth, i, found, distances[i]),
                         None => match prover.judge(&truth.rays[i], &truth.proofs[i], found) {
                             Verdict::FalseHit | Verdict::NotFinite => Met::FalseHit,
                             Verdict::FalseMiss => Met::FalseMiss,
@@ -106,7 +108,7 @@ impl Errors {
         let (depth, normal) = (surfaces(|depth, _| depth), surfaces(|_, normal| normal));
         let known = Known::of(made, truth);
         let squares: Vec<f64> = known.pixels().map(|(i, color, _)| square(made.colors[i], color)).collect();
-        let areas = truth.sampled.iter().zip(&truth.areas).filter(|(i, _)| truth.decided[**i]);
+        let areas = truth.sampled.iter().zip(&truth.areas).filter(|(i, _)| truth.colored[**i]);
         let aliasing: Vec<f64> = areas.map(|(i, area)| square(made.colors[*i], *area)).collect();
         Errors {
             undecided: truth.undecided(),
@@ -145,8 +147,21 @@ fn surface(truth: &Truth, i: usize, found: &Found, distance: f64) -> Option<Met>
     is_same.then(|| Met::Surface(off / near * NEAR, cosine.clamp(-1.0, 1.0).acos().to_degrees()))
 }
 
-/// The pixels whose colours are known that the rays of a picture have, and that are decided; of several rays a pixel only some
-/// are.
+/// What is to be said of what is not the surface that is there, where nothing is proved: as the certifier judges, but by how far
+/// the place that was found is from a surface.
+fn judged(truth: &Truth, i: usize, found: &Found, distance: f64) -> Met {
+    let (there, here) = (truth.depths[i], f64::from(found.depth));
+    let near = truth.rays[i].share(here.max(0.0));
+    let is_number = here.is_finite() && found.normal.iter().all(|x| x.is_finite());
+    match there >= 0.0 && (here < 0.0 || here > there + GRAZING * near) {
+        _ if !is_number => Met::FalseHit,
+        true => Met::FalseMiss,
+        false if distance > near => Met::FalseHit,
+        false => Met::Right,
+    }
+}
+
+/// The pixels whose colours are known that the rays of a picture have; of several rays a pixel only some are.
 struct Known<'t> {
     truth: &'t Truth,
     grid: Option<&'t Grid>,
@@ -168,7 +183,7 @@ impl<'t> Known<'t> {
             Some(grid) => (truth.sampled[k], grid.means[k], grid.moved[k]),
             None => (k, truth.colors[k], truth.moved[k]),
         };
-        (0..count).map(pixel).filter(|(i, ..)| truth.decided[*i])
+        (0..count).map(pixel).filter(|(i, ..)| truth.colored[*i])
     }
 
     /// Which share of them is so.
@@ -177,10 +192,10 @@ impl<'t> Known<'t> {
         so as f64 / self.pixels().count().max(1) as f64
     }
 
-    /// How many of all decided pixels are so, if the others are as these.
+    /// How many of all pixels with true colours are so, if the others are as these.
     fn of_all(&self, is_so: impl Fn(usize, [f64; 3], [f64; 3]) -> bool) -> usize {
-        let decided = self.truth.pixels() - self.truth.undecided();
-        (self.share(is_so) * decided as f64).round() as usize
+        let colored = self.truth.colored.iter().filter(|is| **is).count();
+        (self.share(is_so) * colored as f64).round() as usize
     }
 }
 
@@ -209,4 +224,213 @@ fn root_of_mean(squares: &[f64]) -> f64 {
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1) as f64;
     sorted.get((last * share).ceil() as usize).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Frame, Options};
+    use sdf_render::certify;
+
+    /// A slab that the eye sees at 60 degrees from its normal, before a dark sky.
+    const SLAB: &str = "camera { eye: (0, 0, 4), target: (0, 0, 0), fov: 40deg } sky { color: 0.02 }
+        light key { direction: (1, 0, 1) } scene { box((0.9, 0.7, 0.1)).rotate_y(60deg) }";
+    /// The size of its picture; the middle of the middle pixel is on the camera's axis.
+    const SIZE: u32 = 45;
+    const MIDDLE: usize = (SIZE * SIZE / 2) as usize;
+
+    /// A picture without an error, to make some in.
+    struct Copy {
+        oracle: Oracle,
+        truth: Truth,
+        found: Vec<Found>,
+        colors: Vec<[f32; 3]>,
+        moved: Vec<[f32; 3]>,
+        antialias: u32,
+    }
+
+    impl Copy {
+        fn of(text: &str, antialias: u32) -> Copy {
+            let frame = Frame::new(SIZE, SIZE);
+            let oracle = Oracle::new("made up", text, &Options::default(), &frame).expect("a scene");
+            let grids: Vec<u32> = (2..=antialias).collect();
+            let truth = oracle.truth(&frame, &grids, &|_| {});
+            let normal = |i: usize| truth.normals[i].map(|x| x as f32);
+            let found = (0..truth.pixels())
+                .map(|i| Found { depth: truth.depths[i] as f32, normal: normal(i), lost: false })
+                .collect();
+            let shown = |colors: &[[f64; 3]]| colors.iter().map(|c| encoded(*c).map(|c| c as f32)).collect();
+            let (mut colors, mut moved): (Vec<[f32; 3]>, Vec<[f32; 3]>) =
+                (shown(&truth.colors), shown(&truth.moved));
+            for grid in &truth.grids {
+                for (k, i) in truth.sampled.iter().enumerate() {
+                    colors[*i] = encoded(grid.means[k]).map(|c| c as f32);
+                    moved[*i] = encoded(grid.moved[k]).map(|c| c as f32);
+                }
+            }
+            Copy { oracle, truth, found, colors, moved, antialias }
+        }
+
+        fn errors(&self) -> Errors {
+            let Copy { found, colors, moved, antialias, .. } = self;
+            Errors::of(&Made { found, colors, moved, antialias: *antialias }, &self.truth, &self.oracle)
+        }
+
+        /// A pixel that shows the slab, or that shows nothing, far from where that ends.
+        fn pixel(&self, shows: bool) -> usize {
+            if shows { MIDDLE } else { 0 }
+        }
+    }
+
+    fn is_near(a: f64, b: f64, share: f64) -> bool {
+        (a - b).abs() <= share * b
+    }
+
+    #[test]
+    fn a_copy_of_the_truth_has_no_errors() {
+        for antialias in [1, 2] {
+            let copy = Copy::of(SLAB, antialias);
+            let hits = copy.truth.depths.iter().filter(|t| **t > 0.0).count();
+            assert!((300..1500).contains(&hits), "{hits} of {}", SIZE * SIZE);
+            let errors = copy.errors();
+            let Errors { undecided, out_of_steps, false_hits, false_misses, flicker, .. } = errors;
+            assert_eq!([undecided, out_of_steps, false_hits, false_misses, flicker], [0; 5], "{errors:?}");
+            assert!(errors.rms < 1e-4 && errors.visible == 0.0, "{errors:?}");
+            assert!(errors.depth[2] < 1e-4 && errors.normal[2] < 0.1, "{errors:?}");
+            let exact = Copy::of("scene {}", antialias).errors();
+            assert!(exact.rms < 1e-4 && exact.undecided == 0 && exact.depth == [0.0; 3], "{exact:?}");
+        }
+    }
+
+    /// Half a pixel along a ray that meets the surface at 60 degrees is a quarter of one along the normal. The height of a pixel is
+    /// that of the picture at this distance over their number.
+    #[test]
+    fn a_moved_depth_shows_in_pixels_along_the_normal() {
+        for share in [0.5, -0.5, 2.0, -5.0] {
+            let mut copy = Copy::of(SLAB, 1);
+            let depth = copy.truth.depths[MIDDLE];
+            assert!(is_near(depth, 3.8, 1e-3), "the slab is 0.1 thick to either side: {depth}");
+            let pixel = 2.0 * 20f64.to_radians().tan() * depth / f64::from(SIZE);
+            copy.found[MIDDLE].depth += (share * pixel) as f32;
+            let errors = copy.errors();
+            assert!(is_near(errors.depth[2], 0.5 * f64::abs(share), 1e-3), "{share}: {errors:?}");
+            assert_eq!((errors.false_hits, errors.false_misses), (0, 0), "{share}");
+            assert!(errors.depth[0] < 1e-4, "the others are where they were: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_a_false_hit_and_what_is_not_seen_a_false_miss() {
+        let mut copy = Copy::of(SLAB, 1);
+        let (slab, sky) = (copy.pixel(true), copy.pixel(false));
+        copy.found[sky] = Found { depth: 4.0, normal: [0.0, 0.0, 1.0], lost: false };
+        let errors = copy.errors();
+        assert_eq!((errors.false_hits, errors.false_misses), (1, 0), "{errors:?}");
+        copy.found[slab] = Found { depth: -1.0, normal: [0.0; 3], lost: false };
+        let errors = copy.errors();
+        assert_eq!((errors.false_hits, errors.false_misses), (1, 1), "{errors:?}");
+        copy.found[slab] = Found { depth: -1.0, normal: [0.0; 3], lost: true };
+        let errors = copy.errors();
+        assert_eq!((errors.false_misses, errors.out_of_steps), (0, 1), "{errors:?}");
+        // Through the near side, to where the ray leaves the slab, 0.2 thick.
+        let back = copy.truth.depths[slab] + 0.2 / 0.5;
+        copy.found[slab] =
+            Found { depth: back as f32, normal: copy.found[slab].normal.map(|x| -x), lost: false };
+        let errors = copy.errors();
+        assert_eq!((errors.false_misses, errors.out_of_steps), (1, 0), "{errors:?}");
+        // In mid-air before the slab.
+        copy.found[slab].depth = 1.0;
+        copy.found[slab].normal = [f32::NAN; 3];
+        let errors = copy.errors();
+        assert_eq!((errors.false_hits, errors.false_misses), (2, 0), "{errors:?}");
+    }
+
+    #[test]
+    fn a_turned_normal_shows_in_degrees() {
+        let mut copy = Copy::of(SLAB, 1);
+        // The face's normal is in the plane of x and z.
+        let [x, y, z] = copy.found[MIDDLE].normal.map(f64::from);
+        assert!(y.abs() < 1e-9 && is_near(z, 0.5, 1e-6), "{x} {y} {z}");
+        let (sin, cos) = 1f64.to_radians().sin_cos();
+        copy.found[MIDDLE].normal = [x * cos + z * sin, 0.0, z * cos - x * sin].map(|x| 3.0 * x as f32);
+        let errors = copy.errors();
+        assert!(is_near(errors.normal[2], 1.0, 1e-3) && errors.normal[0] < 0.1, "{errors:?}");
+    }
+
+    /// One pixel of all is changed by five codes in one channel: the mean square is that over three channels and all pixels.
+    #[test]
+    fn a_changed_color_shows_in_codes() {
+        let mut copy = Copy::of(SLAB, 1);
+        copy.colors[MIDDLE][1] += 5.0 / 255.0;
+        let errors = copy.errors();
+        let pixels = f64::from(SIZE * SIZE);
+        assert!(is_near(errors.rms, (25.0 / 3.0 / pixels).sqrt(), 1e-2), "{errors:?}");
+        assert!(is_near(errors.visible, 1.0 / pixels, 1e-9), "{errors:?}");
+        assert_eq!(errors.flicker, 1, "it changes as the camera moves");
+        copy.colors[MIDDLE][1] -= 2.0 / 255.0;
+        assert_eq!(copy.errors().visible, 0.0);
+        for color in &mut copy.colors {
+            *color = color.map(|c| c + 1.0 / 255.0);
+        }
+        let all = Copy { moved: copy.colors.clone(), ..copy }.errors();
+        assert!(is_near(all.rms, 1.0, 0.1), "{all:?}");
+    }
+
+    /// A checker of small squares changes where the camera moves, and so it should.
+    #[test]
+    fn what_the_truth_itself_changes_does_not_flicker() {
+        let checked = SLAB.replace(
+            "rotate_y(60deg)",
+            "rotate_y(60deg).paint(material { color: checker((4000 * p.x, 4000 * p.y), 0, 1) })",
+        );
+        for antialias in [1, 2] {
+            let mut copy = Copy::of(&checked, antialias);
+            let changes = |copy: &Copy| {
+                let pairs = copy.colors.iter().zip(&copy.moved);
+                pairs.filter(|(a, b)| apart(a.map(f64::from), b.map(f64::from)) > 0.1).count()
+            };
+            assert!(changes(&copy) > 10, "{}", changes(&copy));
+            assert_eq!(copy.errors().flicker, 0);
+            let sampled: Vec<usize> = copy.truth.sampled.clone();
+            for i in sampled.iter().take(3) {
+                copy.moved[*i] = copy.moved[*i].map(|c| if c > 0.5 { c - 0.3 } else { c + 0.3 });
+            }
+            let flicker = copy.errors().flicker;
+            // Of one ray each pixel is known, of four one in sixteen.
+            let expected = [3.0, 3.0 * f64::from(SIZE * SIZE) / sampled.len() as f64][antialias as usize - 1];
+            assert!(flicker > 0 && flicker as f64 <= expected.round(), "{antialias}: {flicker}");
+        }
+    }
+
+    #[test]
+    fn what_is_undecided_counts_nowhere_else() {
+        let mut copy = Copy::of(SLAB, 1);
+        let (slab, sky) = (copy.pixel(true), copy.truth.sampled[0]);
+        let untouched = copy.errors();
+        for i in [slab, sky] {
+            copy.truth.decided[i] = false;
+            copy.truth.colored[i] = false;
+        }
+        let without = copy.errors();
+        copy.found[slab] = Found { depth: -1.0, normal: [0.0; 3], lost: false };
+        copy.found[sky] = Found { depth: 2.0, normal: [0.0, 0.0, 1.0], lost: true };
+        for i in [slab, sky] {
+            copy.colors[i] = [1.0, 0.0, 1.0];
+            copy.moved[i] = [0.0, 1.0, 0.0];
+        }
+        assert_eq!(copy.errors(), without, "whatever is there");
+        assert_eq!(without.undecided, untouched.undecided + 2);
+    }
+
+    /// The corners of a polygon are on the borders of its conditions.
+    #[test]
+    fn rays_on_the_level_of_a_corner_are_decided() {
+        let text = "camera { eye: (0.3, 0.4, 4), target: (0, 0, 0), fov: 40deg }
+            scene { polygon([(-0.9, 0), (0, -0.8), (0.9, 0), (0.2, 0.8)]).extrude(0.1) }";
+        let copy = Copy::of(text, 1);
+        assert_eq!(copy.truth.undecided(), 0);
+        let proofs = &copy.truth.proofs;
+        assert!(proofs.iter().any(|proof| *proof == certify::Truth::Miss));
+        assert!(proofs.iter().any(|proof| matches!(proof, certify::Truth::Hit { .. })));
+    }
 }

@@ -23,6 +23,10 @@ const WIDE: f64 = 0.1;
 
 /// The least slope that a distance is divided by.
 const FLAT: f64 = 0.02;
+/// How many pixels show whether a picture can be proved.
+const TRIED: usize = 16;
+/// How many operations on intervals that may take at most.
+const MOST: f64 = 1e11;
 /// How long a piece of a ray that the certifier cannot tell about is passed over at once, to either side, as a share of the scale of
 /// the coordinates.
 const GAP: f64 = 1e-8;
@@ -40,9 +44,15 @@ pub struct Truth {
     pub depths: Vec<f64>,
     /// The surface's normal there.
     pub normals: Vec<[f64; 3]>,
-    /// Whether it is proved what each pixel's ray meets: nothing, or a surface within a hundredth of a pixel of there, as far as
-    /// mirrors, glass and lights do not send it on. The others count as nobody's errors.
+    /// Whether it is proved what each pixel's ray from the eye meets: nothing, or a surface within a hundredth of a pixel of there.
+    /// The others count as nobody's errors.
     pub decided: Vec<bool>,
+    /// Whether the colour is that of what is proved to be met. It is not where a promise about a slope is false, by which what
+    /// was computed has stepped through a surface; what the surface is like is then known, and not what light it sends.
+    pub colored: Vec<bool>,
+    /// Whether that is proved. If not, it would take intervals too long, or they tell nothing of this scene's field; then what was
+    /// computed is taken for true as it stands: by steps over slopes that are promised or proved.
+    pub is_proved: bool,
     /// The colours after a move of the camera by 0.01 pixels.
     pub(super) moved: Vec<[f64; 3]>,
     /// Some pixels, of which more than one ray is known.
@@ -118,6 +128,7 @@ impl Oracle {
     /// behind it.
     fn first_hit(&self, prover: &mut Prover, field: &mut Option<Machine<f64>>, ray: &Ray) -> certify::Truth {
         let mut proof = prover.first_hit(ray);
+        let mut from = f64::NEG_INFINITY;
         for _ in 0..RESTARTS {
             let near = match proof {
                 certify::Truth::Ambiguous { near } => near,
@@ -127,13 +138,44 @@ impl Oracle {
             let Some(field) = field else { break };
             let gap = GAP * ray.at(near).iter().chain(&ray.origin).fold(near, |most, x| most.max(x.abs()));
             let [before, behind] = [near - gap, near + gap].map(|t| field.run_one(&ray.at(t))[0]);
+            // Behind the last such place there is another at once: it is no place, but a region.
+            if near - from < 100.0 * gap {
+                break;
+            }
             if before * behind <= 0.0 || before.abs().min(behind.abs()) < STEEP * gap {
                 break;
             }
-            let from = near + gap;
+            from = near + gap;
             proof = behind_start(prover.first_hit(&part_from(ray, from)), from);
         }
         proof
+    }
+
+    /// Whether intervals tell enough of the field, and soon enough, for a proof of these pixels: as some of them show.
+    fn can_prove(&self, centers: &[Vec<f64>; 2]) -> bool {
+        let count = centers[0].len();
+        let Some(map) = self.scene.map else { return true };
+        // Evenly over the picture, and not in a column.
+        let tried: Vec<usize> =
+            (0..TRIED.min(count)).map(|k| (2 * k + 1) * count / (2 * TRIED.min(count))).collect();
+        let seen: Vec<(bool, u64)> = tried
+            .par_iter()
+            .map(|i| {
+                let mut prover = self.certifier.prover();
+                let ray = prover.ray([centers[0][*i], centers[1][*i]]);
+                let is_told = match prover.first_hit(&ray) {
+                    certify::Truth::Miss => true,
+                    certify::Truth::Hit { near, far } => far - near <= allowed(&ray, far),
+                    certify::Truth::Ambiguous { .. } => false,
+                };
+                (is_told, prover.evaluations())
+            })
+            .collect();
+        let told = seen.iter().filter(|(is_told, _)| *is_told).count();
+        let evaluations =
+            seen.iter().map(|(_, evaluations)| *evaluations as f64).sum::<f64>() / seen.len().max(1) as f64;
+        let operations = sdf_ir::cost::operations(&self.scene.program, map) as f64;
+        2 * told > seen.len() && evaluations * operations * count as f64 <= MOST
     }
 
     fn field_machine(&self) -> Option<Machine<'_, f64>> {
@@ -180,16 +222,22 @@ impl Oracle {
             |side: &u32| Grid { side: *side, means: of_grid(*side, [0.0; 2]), moved: of_grid(*side, MOVE) };
         let grids = grids.iter().map(grid).collect();
         progress(0.7);
-        let depths = all[depth].clone();
+        let mut depths = all[depth].clone();
+        let mut normals: Vec<[f64; 3]> = (0..count).map(|i| [0, 1, 2].map(|k| all[normal + k][i])).collect();
         let is_lost = |i: usize| all[lost][i] != 0.0;
         let done = AtomicUsize::new(0);
+        let is_proved = self.can_prove(&centers);
         let proved: Vec<(Ray, certify::Truth)> = (0..count)
             .into_par_iter()
             .map_init(
                 || (self.certifier.prover(), self.field_machine()),
                 |(prover, field), i| {
                     let ray = prover.ray([centers[0][i], centers[1][i]]);
-                    let proof = self.first_hit(prover, field, &ray);
+                    let proof = match is_proved {
+                        true => self.first_hit(prover, field, &ray),
+                        false if depths[i] < 0.0 => certify::Truth::Miss,
+                        false => certify::Truth::Hit { near: depths[i], far: depths[i] },
+                    };
                     let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                     if done.is_multiple_of(1024) {
                         progress(0.7 + 0.3 * done as f64 / count as f64);
@@ -199,9 +247,29 @@ impl Oracle {
             )
             .collect();
         let (rays, proofs): (Vec<Ray>, Vec<certify::Truth>) = proved.into_iter().unzip();
-        let decided = (0..count).map(|i| !is_lost(i) && agree(&rays[i], &proofs[i], depths[i])).collect();
-        let normals = (0..count).map(|i| [0, 1, 2].map(|k| all[normal + k][i])).collect();
-        Truth { colors: center_colors, depths, normals, decided, moved, sampled, areas, grids, rays, proofs }
+        let colored: Vec<bool> =
+            (0..count).map(|i| !is_lost(i) && agree(&rays[i], &proofs[i], depths[i])).collect();
+        let mut decided = colored.clone();
+        let mut field = self.field_machine();
+        for i in (0..count).filter(|i| is_proved && !colored[*i]) {
+            if let Some((t, n)) = shown(&rays[i], &proofs[i], &mut field) {
+                (depths[i], normals[i], decided[i]) = (t, n, true);
+            }
+        }
+        Truth {
+            colors: center_colors,
+            depths,
+            normals,
+            decided,
+            colored,
+            is_proved,
+            moved,
+            sampled,
+            areas,
+            grids,
+            rays,
+            proofs,
+        }
     }
 }
 
@@ -250,6 +318,21 @@ fn agree(ray: &Ray, proof: &certify::Truth, depth: f64) -> bool {
             let allowed = allowed(ray, far);
             depth >= 0.0 && far - near <= allowed && depth >= near - allowed && depth <= far + allowed
         }
+    }
+}
+
+/// How far away what a ray meets is by its proof, and the normal there on the side that it comes on; -1 of nothing.
+fn shown(ray: &Ray, proof: &certify::Truth, field: &mut Option<Machine<f64>>) -> Option<(f64, [f64; 3])> {
+    match *proof {
+        certify::Truth::Miss => Some((-1.0, [0.0; 3])),
+        certify::Truth::Hit { near, far } if far - near <= allowed(ray, far) => {
+            let field = field.as_mut()?;
+            let side = if field.run_one(&ray.origin)[0] < 0.0 { -1.0 } else { 1.0 };
+            let slope = field.run_one(&ray.at(near));
+            let length = slope[1..].iter().map(|x| x * x).sum::<f64>().sqrt();
+            Some((near, [1, 2, 3].map(|k| side * slope[k] / length.max(1e-30))))
+        }
+        _ => None,
     }
 }
 

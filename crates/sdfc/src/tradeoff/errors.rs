@@ -425,8 +425,9 @@ mod tests {
     /// The corners of a polygon are on the borders of its conditions.
     #[test]
     fn rays_on_the_level_of_a_corner_are_decided() {
-        let text = "camera { eye: (0.3, 0.4, 4), target: (0, 0, 0), fov: 40deg }
-            scene { polygon([(-0.9, 0), (0, -0.8), (0.9, 0), (0.2, 0.8)]).extrude(0.1) }";
+        let text = "camera { eye: (-1.1, 0.5, 6), target: (0, 0, 0), fov: 38deg }
+            let hexagon = polygon(for i in 0..6 { 1.2 * (cos(i * 60deg), sin(i * 60deg)) })
+            scene { hexagon.round(0.15).extrude(0.1) }";
         let copy = Copy::of(text, 1);
         assert_eq!(copy.truth.undecided(), 0);
         let proofs = &copy.truth.proofs;

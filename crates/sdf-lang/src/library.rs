@@ -307,6 +307,7 @@ fn outlined(text: &'static str) -> Vec<Outlined> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Options;
     use crate::errors;
     use crate::names::same_parameters;
     use std::collections::BTreeSet;
@@ -353,6 +354,74 @@ mod tests {
             }
             assert!(diagnostics.is_empty(), "{diagnostics:#?}");
         }
+    }
+
+    /// What stands in for nothing is the truth itself, or what only it calls, which says so by its name.
+    fn stands_in_rightly(stand_in: &Function, of: &'static Shelf) -> bool {
+        let same = |f: &&Function| {
+            let names = |f: &Function| f.parameters.iter().map(|p| p.name.text.clone()).collect::<Vec<_>>();
+            names(f) == names(stand_in) && same_parameters(f, stand_in)
+        };
+        let name = &stand_in.name.text;
+        let mut stood_in_for = of.functions(name).peekable();
+        match stood_in_for.peek() {
+            Some(_) => stood_in_for.any(|f| same(&f)),
+            None => name.contains("truth"),
+        }
+    }
+
+    #[test]
+    fn what_the_truth_is_found_with_stands_in_for_functions_of_the_renderer() {
+        let (pictures, truth) = (&library().runtime, &Library::with(true, &[]).runtime);
+        let file = truth.files().iter().find(|file| file.name == TRUTH).expect("it is there");
+        let mut stand_ins = 0;
+        for item in truth.items_of(file) {
+            let ItemKind::Fn(function) = &item.kind else { unreachable!("tested above") };
+            let name = &function.name.text;
+            assert!(stands_in_rightly(function, pictures), "{name} stands in for nothing");
+            stand_ins += pictures.functions(name).count();
+            // In pictures it is not there, and for the truth nothing else of the name is.
+            assert!(pictures.functions(name).all(|f| f != &**function), "{name}");
+            assert!(
+                truth.functions(name).all(|f| truth.files[truth.piece_of(f).unwrap().file].name == TRUTH)
+            );
+        }
+        assert!(stand_ins >= 6, "{stand_ins}");
+    }
+
+    /// A name that the renderer has not, and one with other parameters.
+    #[test]
+    fn a_function_that_stands_in_for_nothing_is_seen() {
+        let others = [
+            "fn occlusions(map, foot, normal, ambient, count) = 1",
+            "fn occlusion(map, foot, normal, count) = 1",
+            "fn occlusion(map, foot, normal, surroundings, count) = 1",
+        ];
+        for (text, is_right) in others.map(|text| (text, false)).into_iter().chain([
+            ("fn occlusion(map, foot, normal, ambient, count) = 1", true),
+            ("fn in_truth(a) = 1", true),
+        ]) {
+            let (file, diagnostics) = sdf_syntax::parse(FileId(0), text);
+            assert!(diagnostics.is_empty(), "{diagnostics:?}");
+            let ItemKind::Fn(function) = &file.items[0].kind else { panic!("{text}") };
+            assert_eq!(stands_in_rightly(function, &library().runtime), is_right, "{text}");
+        }
+    }
+
+    /// Whatever stands in the file that the truth is found with, no picture shows it; the truth does.
+    #[test]
+    fn pictures_do_not_know_the_truth() {
+        let example = include_str!("../../../examples/blend.sdf");
+        let upside_down = "fn occlusion(map, foot, normal, ambient, count) = 0.5\n";
+        let replaced = vec![("truth.sdf".to_owned(), upside_down.to_owned())];
+        let of = |options: Options| {
+            let scene = crate::compile("blend", example, &options).scene.expect("a scene");
+            (scene.program, scene.summary.settings)
+        };
+        let plain = of(Options::default());
+        assert_eq!(of(Options { replaced: replaced.clone(), ..Options::default() }), plain);
+        let truth = Options { truth: true, ..Options::default() };
+        assert_ne!(of(truth).0, plain.0);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use sdf_render::Frame;
 use sdf_tests::light::vector::{difference, dot, plus, times, unit};
 use sdf_tests::light::{Field, Light, Vector, View, definition};
 use sdf_tests::scenes::{GALLERY, all_examples};
-use sdfc::Device;
-use sdfc::tradeoff::{Errors, Knob, Row, Setting, Stopwatch, Subject, Tradeoffs, measure};
+use sdfc::tradeoff::{Errors, Knob, NEAR, Row, Session, Setting, Stopwatch, Subject, Tradeoffs};
+use sdfc::{Clock, Device};
 use std::time::Duration;
 
 /// How far rays go where a scene says nothing.
@@ -40,7 +40,8 @@ fn timed(
     let frame = Frame::new(width, height);
     let stopwatch = budget.map(|budget| Stopwatch { device: &Device::Cpu, frame: &frame, budget });
     let subject = Subject { name: "cost", text, options };
-    let made = measure(&subject, &settings, &frame, stopwatch.as_ref(), &|_| {});
+    let session = Session::new(subject, frame.clone(), NEAR);
+    let made = session.measure(&settings, stopwatch.as_ref(), &|_| {}, &mut Clock::default());
     let made = made.unwrap_or_else(|error| panic!("{error:?}\n{text}"));
     assert_eq!(made.rows.len(), accuracies.len(), "each is another program");
     made

@@ -228,6 +228,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::truth::NEAR;
     use super::*;
     use crate::{Frame, Options};
     use sdf_render::certify;
@@ -252,7 +253,7 @@ mod tests {
     impl Copy {
         fn of(text: &str, antialias: u32) -> Copy {
             let frame = Frame::new(SIZE, SIZE);
-            let oracle = Oracle::new("made up", text, &Options::default(), &frame).expect("a scene");
+            let oracle = Oracle::new("made up", text, &Options::default(), &frame, NEAR).expect("a scene");
             let grids: Vec<u32> = (2..=antialias).collect();
             let truth = oracle.truth(&frame, &grids, &|_| {});
             let normal = |i: usize| truth.normals[i].map(|x| x as f32);

@@ -136,7 +136,7 @@ mod tests {
         let page = page("</title><script>alert(1)</script>.sdf", &measured);
         assert!(!page.contains("<script>alert") && !page.contains("<i>"));
         assert!(page.contains("<title>&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;.sdf"));
-        assert!(page.contains("aria-label=\"&lt;i&gt;&#39;own&quot;: ms 2.0,"));
+        assert!(page.contains("aria-label=\"&lt;i&gt;&#39;own&quot;: ms 2.00,"));
     }
 
     #[test]

@@ -3,19 +3,19 @@
 use sdfc::tradeoff::{Errors, Row, Tradeoffs};
 
 /// An error as it is told: its words, how it is read, and its unit.
-type Told = (&'static str, fn(&Errors) -> f64, &'static str);
+type Told = (&'static str, fn(&Errors) -> String, &'static str);
 
 /// What is told of a step where it changes.
 const TOLD: [Told; 9] = [
-    ("false hits", |e| e.false_hits as f64, ""),
-    ("false misses", |e| e.false_misses as f64, ""),
-    ("out of steps", |e| e.out_of_steps as f64, ""),
-    ("depth error", |e| e.depth[1], " px"),
-    ("largest", |e| e.depth[2], " px"),
-    ("normal error", |e| e.normal[1], "°"),
-    ("flicker", |e| e.flicker as f64, ""),
-    ("rms", |e| e.rms, ""),
-    ("aliasing", |e| e.aliasing, ""),
+    ("false hits", |e| e.false_hits.to_string(), ""),
+    ("false misses", |e| e.false_misses.to_string(), ""),
+    ("out of steps", |e| e.out_of_steps.to_string(), ""),
+    ("depth error", |e| digits(e.depth[1]), " px"),
+    ("largest", |e| digits(e.depth[2]), " px"),
+    ("normal error", |e| digits(e.normal[1]), "°"),
+    ("flicker", |e| e.flicker.to_string(), ""),
+    ("rms", |e| digits(e.rms), ""),
+    ("aliasing", |e| digits(e.aliasing), ""),
 ];
 
 /// The walk: where it begins, a line for each step, and what all of it comes to.
@@ -55,20 +55,54 @@ pub fn cost(from: &Row, to: &Row) -> String {
 /// What changes by it, as far as three digits show that.
 pub fn bought(from: &Errors, to: &Errors) -> String {
     let changes = TOLD.iter().filter_map(|(words, read, unit)| {
-        let (a, b) = (digits(read(from)), digits(read(to)));
+        let (a, b) = (read(from), read(to));
         (a != b).then(|| format!("{words} {a} → {b}{unit}"))
     });
     let changes: Vec<String> = changes.collect();
     if changes.is_empty() { "changes nothing that can be seen".into() } else { changes.join(", ") }
 }
 
-/// A number of at least 0 to two digits, and three behind the point at most.
+/// A number of at least 0 to three digits, and three behind the point at most.
 pub fn digits(x: f64) -> String {
     let text = match x {
-        x if x >= 100.0 || x.fract() == 0.0 => format!("{x:.0}"),
+        x if x >= 100.0 => format!("{x:.0}"),
         x if x >= 10.0 => format!("{x:.1}"),
         x if x >= 1.0 => format!("{x:.2}"),
         x => format!("{x:.3}"),
     };
-    if text == "0.000" { "<0.001".into() } else { text }
+    if text == "0.000" && x > 0.0 { "<0.001".into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tradeoffs::sample::presets;
+
+    #[test]
+    fn steps_say_what_they_cost_and_buy() {
+        let mut measured = presets();
+        measured.rows.drain(..2);
+        for (i, row) in measured.rows.iter_mut().enumerate() {
+            let time = row.time.as_mut().expect("all have times");
+            time.ratio = [0.99, 1.0, 1.01].map(|r| r * f64::from(1 << i));
+            row.errors.false_hits = 4 >> i;
+        }
+        let page = page("a.sdf", &measured);
+        let lines: Vec<&str> = page.lines().collect();
+        assert_eq!(lines.len(), 5, "{page}");
+        assert!(lines[2].contains("+100.0 % time (±2.0)") && lines[2].contains("false hits 4 → 2"), "{page}");
+        assert!(
+            lines[4].trim_start().starts_with("together") && lines[4].contains("+300.0 % time"),
+            "{page}"
+        );
+        assert!(lines[4].contains("rms 1.00 → 0.100"), "{page}");
+        measured.rows.truncate(1);
+        assert!(super::page("a.sdf", &measured).contains("exact already"));
+    }
+
+    #[test]
+    fn digits_end_where_they_say_nothing() {
+        let texts = [123.4, 12.34, 1.234, 0.1234, 0.0001, 0.0].map(digits);
+        assert_eq!(texts, ["123", "12.3", "1.23", "0.123", "<0.001", "0.000"]);
+    }
 }

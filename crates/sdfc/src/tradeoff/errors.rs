@@ -27,7 +27,7 @@ pub struct Errors {
     /// Pixels that do not show the surface that is there, but nothing, or what lies behind.
     pub false_misses: usize,
     /// How far from where the rays meet the surface it is shown, in pixels along its normal: the distance along the ray times the
-    /// cosine between both. The median, what 99.9 % are not above, and the most; of the pixels that show this surface, and
+    /// cosine between both; next to the eye, where pixels are tiny, in tens of what the rounding of coordinates is. The median, what 99.9 % are not above, and the most; of the pixels that show this surface, and
     /// no other that is nearer to the place that was found.
     pub depth: [f64; 3],
     /// How far the normals of the same pixels are off, in degrees: the median, what 99 % are not above, and the most. On an edge
@@ -138,7 +138,7 @@ fn surface(truth: &Truth, i: usize, found: &Found, distance: f64) -> Option<Met>
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let along = (here - there).abs();
     let off = along * dot(truth.normals[i], ray.direction).abs();
-    let near = ray.share(there);
+    let near = ray.radius(there);
     let normal = found.normal.map(f64::from);
     let length = dot(normal, normal).sqrt();
     let cosine = dot(normal, truth.normals[i]) / length.max(1e-30);
@@ -151,7 +151,7 @@ fn surface(truth: &Truth, i: usize, found: &Found, distance: f64) -> Option<Met>
 /// the place that was found is from a surface.
 fn judged(truth: &Truth, i: usize, found: &Found, distance: f64) -> Met {
     let (there, here) = (truth.depths[i], f64::from(found.depth));
-    let near = truth.rays[i].share(here.max(0.0));
+    let near = truth.rays[i].radius(here.max(0.0));
     let is_number = here.is_finite() && found.normal.iter().all(|x| x.is_finite());
     match there >= 0.0 && (here < 0.0 || here > there + GRAZING * near) {
         _ if !is_number => Met::FalseHit,
@@ -317,6 +317,17 @@ mod tests {
             assert_eq!((errors.false_hits, errors.false_misses), (0, 0), "{share}");
             assert!(errors.depth[0] < 1e-4, "the others are where they were: {errors:?}");
         }
+    }
+
+    /// From an eye on the surface it is met at once, where a pixel has no size, and rounding tells how near that can be.
+    #[test]
+    fn next_to_the_eye_rounding_counts() {
+        let text = "camera { eye: (0, 1, 0), target: (3, 0, 1) } scene { box((5, 1, 5)) }";
+        let mut copy = Copy::of(text, 1);
+        let i = copy.truth.depths.iter().position(|t| (0.0..1e-5).contains(t)).expect("a hit at the eye");
+        copy.found[i].depth += 1e-7;
+        let errors = copy.errors();
+        assert!(errors.depth[2] < 1.0, "{errors:?}");
     }
 
     #[test]

@@ -351,7 +351,7 @@ fn is_sampled(pixel: usize) -> bool {
     let mut x = (pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    (x ^ (x >> 31)) as usize % AREA_SHARE == 0
+    ((x ^ (x >> 31)) as usize).is_multiple_of(AREA_SHARE)
 }
 
 /// sRGB from linear light (IEC 61966-2-1).

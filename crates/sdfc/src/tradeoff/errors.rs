@@ -138,11 +138,7 @@ fn surface(truth: &Truth, near: f64, i: usize, found: &Found, distance: f64) -> 
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let along = (here - there).abs();
     let off = along * dot(truth.normals[i], ray.direction).abs();
-<<<<<<< HEAD
-    let reach = ray.share(there);
-=======
-    let near = ray.radius(there);
->>>>>>> truth
+    let reach = ray.radius(there);
     let normal = found.normal.map(f64::from);
     let length = dot(normal, normal).sqrt();
     let cosine = dot(normal, truth.normals[i]) / length.max(1e-30);

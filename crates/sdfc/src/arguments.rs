@@ -261,7 +261,7 @@ pub struct CostArguments {
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
     pub device: Device,
     /// For about how long pictures are timed, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
     pub budget: f64,
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]
@@ -289,6 +289,9 @@ pub struct CostArguments {
     /// Draw the errors against the times: a plot (.svg), or a page with the pictures of all settings (.html)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// The preset.
+    #[command(flatten)]
+    pub quality: QualityArguments,
     /// Values of params.
     #[command(flatten)]
     pub set: SetArguments,

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// How many operations of the field a picture may take that many settings are compared in: an evaluation's, times the evaluations
 /// of all its pixels.
-const OPERATIONS: f64 = 6e8;
+const OPERATIONS: f64 = 2.2e8;
 /// The most pixels of such a picture.
 const MOST_PIXELS: f64 = 320.0 * 180.0;
 /// The smallest side of a picture in which settings are compared, unless that which is timed is smaller.

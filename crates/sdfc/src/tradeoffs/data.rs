@@ -37,10 +37,12 @@ pub struct Timing {
     pub rounds: usize,
 }
 
-/// How many pixels a picture has, and of how many nothing is proved: they count as nobody's errors.
+/// How many pixels a picture has; whether what they truly show is proved, or else only computed; and of how many it is not
+/// known: they count as nobody's errors.
 #[derive(Debug, Serialize)]
 pub struct Truth {
     pub pixels: usize,
+    pub proved: bool,
     pub undecided: usize,
 }
 
@@ -136,7 +138,11 @@ impl Report {
             size: measured.size,
             time,
             timing: measured.timing.as_ref().map(Timing::of),
-            truth: Truth { pixels: measured.truth.pixels(), undecided: measured.truth.undecided() },
+            truth: Truth {
+                pixels: measured.truth.pixels(),
+                proved: measured.truth.is_proved,
+                undecided: measured.truth.undecided(),
+            },
             settings: measured.rows.iter().map(Measured::of).collect(),
         }
     }

@@ -25,7 +25,7 @@ use sdfc::tradeoff::{
     Bounds, MeasureError, NEAR, Session, Setting, Stopwatch, Subject, Tradeoffs, candidates, compared,
     settings, walk,
 };
-use sdfc::{Clock, Compiled, DrawError, Frame, Quality};
+use sdfc::{Clock, Compiled, DrawError, Frame, Options, Quality};
 use std::time::Duration;
 
 /// Measures a scene, and prints or writes what came of it.
@@ -33,7 +33,7 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
     let outputs = Outputs::prepare(arguments)?;
     let mut clock = Clock::default();
     let source = clock.time("read", || input::read(&arguments.scene, terminal))?;
-    let options = arguments.set.options(&arguments.scene)?;
+    let options = Options { quality: arguments.quality.preset, ..arguments.set.options(&arguments.scene)? };
     let compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
     shader(&compiled, terminal)?;

@@ -2,7 +2,7 @@
 
 use super::why::digits;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{Bounds, Row, Tradeoffs};
+use sdfc::tradeoff::{Bounds, Row, Tradeoffs, Truth};
 
 /// The name of a column, and what stands in it.
 pub type Column = (&'static str, fn(&Row) -> String);
@@ -74,18 +74,27 @@ fn head(name: &str, measured: &Tradeoffs) -> String {
         ),
         None => "No times were taken.".to_string(),
     };
-    let undecided = match measured.truth.undecided() {
-        0 => "of all pixels the truth is proved".to_string(),
-        1 => "of 1 pixel the truth is not proved: it counts nowhere".to_string(),
-        n => format!("of {n} pixels the truth is not proved: they count nowhere"),
-    };
-    format!("{name}: errors are of {width}x{height} pixels; {undecided}.\n{timed}\n")
+    let proof = proof(&measured.truth);
+    format!("{name}: errors are of {width}x{height} pixels; {proof}.\n{timed}\n")
+}
+
+/// Of how many pixels the truth is proved, as a clause.
+pub fn proof(truth: &Truth) -> String {
+    let pixels = truth.pixels();
+    match truth.undecided() {
+        _ if !truth.is_proved => {
+            "the truth is computed in 64 bits and not proved, since intervals would take too long or tell nothing here".into()
+        }
+        0 => "the truth of all pixels is proved".into(),
+        1 => format!("the truth of 1 of {pixels} pixels is not proved; it counts nowhere"),
+        n => format!("the truth of {n} of {pixels} pixels is not proved; they count nowhere"),
+    }
 }
 
 /// What the columns are.
 const LEGEND: &str = "\
 * no other setting is as fast and as exact. Evaluations of the field are of all of a pixel's rays, steps of that from the eye.
-lost: out of steps. false: a surface where none is within 0.1 px, or none where one is. depth: how far hits are from the
+lost: out of steps. false: hits where no surface is so near, and misses of one that is there. depth: how far hits are from the
 surface, in px along the normal. normal: what 99 % of the normals are off at most. flicker: pixels that change as the true
 ones do not when the camera moves by 0.01 px. rms: to the true colours of the same rays, in codes of 255; seen: pixels that
 are off by more than 4 codes. aliasing: rms to the mean of each pixel's area.

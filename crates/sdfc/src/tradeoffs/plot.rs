@@ -377,7 +377,10 @@ fn notes(up: &Axis, measured: &Tradeoffs) -> Vec<String> {
         notes.push(format!("without a time, so not here: {untimed}"));
     }
     let undecided = measured.truth.undecided();
-    if undecided > 0 {
+    if !measured.truth.is_proved {
+        notes.push("the truth is computed in 64 bits,".into());
+        notes.push("and not proved".into());
+    } else if undecided > 0 {
         notes.push(format!("pixels whose truth is not proved: {undecided}"));
         notes.push(format!("of {}; none of them counts", measured.truth.pixels()));
     }

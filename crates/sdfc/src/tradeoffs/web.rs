@@ -1,7 +1,7 @@
 //! The plot as a page: beside each point the picture of its setting, and how far it is from the truth. The page is one file
 //! that asks for nothing from elsewhere; without scripts its links and its table are left.
 
-use super::page::COLUMNS;
+use super::page::{COLUMNS, proof};
 use super::pictures::{address, difference, picture};
 use super::plot::{Plot, plot};
 use sdf_emit::html::{escaped, filled};
@@ -21,15 +21,8 @@ pub fn page(scene: &str, measured: &Tradeoffs) -> String {
     let settings: String = measured.rows.iter().enumerate().map(pictures).collect();
     let columns: String = COLUMNS.iter().map(|(name, _)| format!("<th scope=\"col\">{name}</th>")).collect();
     let rows: String = measured.rows.iter().enumerate().map(|(i, row)| line(i, row)).collect();
-    let undecided = match measured.truth.undecided() {
-        0 => "Of all pixels the truth is proved.".to_string(),
-        some => {
-            let pixels = measured.truth.pixels();
-            format!(
-                "Of {some} of {pixels} pixels the truth is not proved: they are orange, and count nowhere."
-            )
-        }
-    };
+    let orange = if measured.truth.undecided() > 0 { " In the differences they are orange." } else { "" };
+    let undecided = format!("Of this scene {}.{orange}", proof(&measured.truth));
     filled(PAGE, |name| match name {
         "scene" => &scene_name,
         "style" => STYLE,

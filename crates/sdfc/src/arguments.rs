@@ -104,6 +104,9 @@ pub struct CompileArguments {
     /// What the shader's pictures must satisfy.
     #[command(flatten)]
     pub bounds: BoundArguments,
+    /// For about how long pictures are timed to find a setting within bounds, in seconds [default: 10]
+    #[arg(long, value_name = "SECONDS", value_parser = budget, allow_negative_numbers = true)]
+    pub budget: Option<f64>,
     /// The size of the picture that bounds are about, in pixels [default: 640x360]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     pub size: Option<(u32, u32)>,
@@ -148,6 +151,9 @@ pub struct RenderArguments {
     /// What the picture must satisfy.
     #[command(flatten)]
     pub bounds: BoundArguments,
+    /// For about how long pictures are timed to find a setting within bounds, in seconds [default: 10]
+    #[arg(long, value_name = "SECONDS", value_parser = budget, allow_negative_numbers = true)]
+    pub budget: Option<f64>,
     /// Print how long each stage took, and what drew
     #[arg(long)]
     pub timings: bool,
@@ -274,12 +280,9 @@ pub struct CostArguments {
     /// what each step costs and buys
     #[arg(long)]
     pub why: bool,
-    /// How far from the true surface hits may be
-    #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_negative_numbers = true)]
-    pub max_error: Option<f64>,
-    /// How long a picture may take, such as 16ms
-    #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true, conflicts_with = "no_time")]
-    pub max_time: Option<Duration>,
+    /// What a picture must satisfy.
+    #[command(flatten)]
+    pub bounds: BoundArguments,
     /// Write all that was measured as an object of JSON; `-` is standard output, which then has no table
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -303,15 +306,12 @@ pub struct CostArguments {
 /// What a picture must satisfy, so that its setting is chosen by measuring.
 #[derive(Debug, Args, Default, PartialEq)]
 pub struct BoundArguments {
-    /// Take the fastest setting with which no hit is farther from the true surface, such as 0.5px: the scene is measured first
+    /// Look for the fastest setting with which no hit is farther from the true surface, such as 0.5px, by measuring
     #[arg(long, value_name = "PIXELS", value_parser = pixels, allow_negative_numbers = true)]
     pub max_error: Option<f64>,
-    /// Take the most exact setting with which a picture takes no longer, such as 16ms: the scene is measured first
+    /// Look for the most exact setting with which a picture takes no longer by the clock on the wall, such as 16ms, by measuring
     #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true)]
     pub max_time: Option<Duration>,
-    /// For about how long pictures are timed to choose a setting, in seconds
-    #[arg(long, value_name = "SECONDS", value_parser = budget, allow_negative_numbers = true)]
-    pub budget: Option<f64>,
 }
 
 impl BoundArguments {

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::moments::{Moment, moments};
-use crate::output::print;
+use crate::output::{aligned, print};
 use crate::progress::Progress;
 use crate::terminal::Terminal;
 use sdf_render::certify::{Certifier, Functions, Picture, Places, Report, interpreted};
@@ -127,16 +127,7 @@ fn table(name: &str, rows: &[(&Moment, Report)]) -> String {
         [first].into_iter().chain(COLUMNS.map(|(_, show)| show(report))).collect()
     };
     let lines: Vec<Vec<String>> = [heads].into_iter().chain(rows.iter().map(cells)).collect();
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..=COLUMNS.len()).map(width).collect();
-    let line = |cells: &Vec<String>| {
-        let mut out = format!("{:<width$}", cells[0], width = widths[0]);
-        for (cell, width) in cells.iter().zip(&widths).skip(1) {
-            out.push_str(&format!("  {cell:>width$}"));
-        }
-        out + "\n"
-    };
-    lines.iter().map(line).collect()
+    aligned(&lines).concat()
 }
 
 /// What is wrong at a moment, with the first pixels of each kind, so that they can be looked at.

@@ -8,7 +8,7 @@ use crate::output::{Output, print};
 use crate::terminal::Terminal;
 use crate::tradeoffs::bounds::{self, Chosen, Wanted};
 use sdf_syntax::{Code, Diagnostic, Severity};
-use sdfc::{Clock, Compiled, Format, Frame, Options};
+use sdfc::{Accuracy, Clock, Compiled, Format, Frame, Options};
 use std::path::Path;
 
 /// Compiles a scene, and writes what was asked for.
@@ -34,12 +34,13 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
         Options { orbit, facts, quality: arguments.quality.preset, ..arguments.set.options(scene)? };
     let mut compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
     terminal.diagnostics(&compiled.sources, &compiled.diagnostics);
-    if let Some(chosen) = chosen(arguments, &source, &options, &compiled, terminal, &mut clock)? {
-        let options = Options { accuracy: Some(chosen.row().setting.accuracy), ..options };
-        compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
-        if let Some((_, shader)) = &mut compiled.output {
-            shader.header.lines.extend(measured_on(&chosen));
-            shader.header.figures = chosen.figures;
+    let is_text = matches!(format, Some(Format::Text(_)));
+    if let Some(chosen) = chosen(arguments, &source, &options, is_text, &compiled, terminal, &mut clock)? {
+        compiled =
+            with_accuracy(chosen.row.setting.accuracy, &source, options, &compiled, terminal, &mut clock);
+        if let (Some((_, shader)), Some(figures)) = (&mut compiled.output, chosen.figures) {
+            shader.header.lines.extend(figures.head);
+            shader.header.figures = figures.lines;
         }
     }
     if !arguments.emit.is_empty() {
@@ -57,41 +58,44 @@ pub fn run(arguments: &CompileArguments, terminal: &Terminal) -> Result<(), Fail
     Ok(())
 }
 
-/// How what stands below the constants was measured, as lines of the head.
-fn measured_on(chosen: &Chosen) -> [String; 2] {
-    let timing = chosen.measured.timing.as_ref().expect("bounds are measured with times");
-    let (width, height) = timing.size;
-    [
-        format!(
-            "Below constants: what other values cost and buy, measured at {width}x{height} on {};",
-            timing.device
-        ),
-        "99.9 % of the hits and 99 % of the normals are as near as that, and rms is of 255.".to_string(),
-    ]
+/// A scene once more, with another accuracy; what is to be said of it then and was not said before is told.
+pub fn with_accuracy(
+    accuracy: Accuracy,
+    source: &input::Scene,
+    options: Options,
+    before: &Compiled,
+    terminal: &Terminal,
+    clock: &mut Clock,
+) -> Compiled {
+    let options = Options { accuracy: Some(accuracy), ..options };
+    let compiled = sdfc::compile(&source.name, &source.text, &options, clock);
+    let is_new = |diagnostic: &&Diagnostic| !before.diagnostics.contains(diagnostic);
+    let new: Vec<Diagnostic> = compiled.diagnostics.iter().filter(is_new).cloned().collect();
+    terminal.diagnostics(&compiled.sources, &new);
+    compiled
 }
 
-/// The setting that the bounds ask for, if there are any.
+/// The setting that the bounds ask for, if there are any; with figures for a text.
 fn chosen(
     arguments: &CompileArguments,
     source: &input::Scene,
     options: &Options,
+    figures: bool,
     compiled: &Compiled,
     terminal: &Terminal,
     clock: &mut Clock,
 ) -> Result<Option<Chosen>, Failure> {
-    if !arguments.bounds.are_any() {
-        return match (&arguments.size, &arguments.device) {
-            (None, None) => Ok(None),
-            _ => Err(Failure::call("`--size` and `--device` are about the picture that bounds are about")
-                .help("add `--max-error 0.5px` or `--max-time 16ms`; a shader draws pictures of any size")),
-        };
+    if !arguments.bounds.are_any() && (arguments.size.is_some() || arguments.device.is_some()) {
+        return Err(Failure::call("`--size` and `--device` are about the picture that bounds are about")
+            .help("add `--max-error 0.5px` or `--max-time 16ms`; a shader draws pictures of any size"));
     }
-    shader(compiled, terminal)?;
+    if arguments.bounds.are_any() {
+        shader(compiled, terminal)?;
+    }
     let (width, height) = arguments.size.unwrap_or((640, 360));
     let device = arguments.device.clone().unwrap_or_default();
-    let frame = Frame::new(width, height);
-    let wanted = Wanted { source, options, compiled, frame: &frame, device: &device, figures: true };
-    bounds::choose(&arguments.bounds, &wanted, terminal, clock)
+    let wanted = Wanted { source, options, frame: &Frame::new(width, height), device: &device, figures };
+    bounds::choose(&arguments.bounds, arguments.budget, &wanted, terminal, clock)
 }
 
 /// The shader of a scene without mistakes, and without warnings where they are denied.

@@ -54,6 +54,21 @@ impl Output {
     }
 }
 
+/// The lines of a table, of which all have as many cells: the first column begins at the left, the others end at the right.
+pub fn aligned(lines: &[Vec<String>]) -> Vec<String> {
+    let columns = lines.first().map_or(0, Vec::len);
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let line = |cells: &Vec<String>| {
+        let mut out = format!("{:<width$}", cells[0], width = widths[0]);
+        for (cell, width) in cells.iter().zip(&widths).skip(1) {
+            out.push_str(&format!("  {cell:>width$}"));
+        }
+        out + "\n"
+    };
+    lines.iter().map(line).collect()
+}
+
 /// Prints an artefact. That the reader has seen enough is no failure.
 pub fn print(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout().lock();

@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 /// and its power are late by.
 #[cfg(feature = "gpu")]
 const PASSES: u32 = 8;
+/// How long a device that has a clock draws before it is timed.
+#[cfg(feature = "gpu")]
+const WARM: Duration = Duration::from_millis(300);
 /// How many rounds there are at least, however long they take, and how many are enough.
 const ROUNDS: [usize; 2] = [3, 101];
 /// Which share of the time may go by before the first round.
@@ -43,9 +46,13 @@ pub struct Lap {
     pub time: Duration,
     /// How far the quartiles of the times are apart.
     pub spread: Duration,
+    /// How long a picture takes by the clock on the wall, in the median; by the device's own where that has one.
+    pub wall: Duration,
     /// The time as a multiple of the first contestant's in the same round: the lower quartile, the median and the upper
     /// quartile.
     pub ratio: [f64; 3],
+    /// The same as a multiple of that of the contestant before; of the first, 1.
+    pub to_previous: [f64; 3],
 }
 
 /// Draws each shader once a round, for about this long.
@@ -129,8 +136,13 @@ fn on_gpu(
     let ready: Vec<usize> = (0..shaders.len()).filter(is_ready).collect();
     let of = |i: usize| prepared[i].as_ref().expect("those that are ready were prepared");
     let has_clock = !gpu.name().software && of(0).time(PASSES).is_ok();
+    // Hardware is not at its full rate at once.
+    let warm = Instant::now();
+    while has_clock && warm.elapsed() < WARM {
+        of(0).time(PASSES).map_err(failed)?;
+    }
     let laps = rounds(&ready, [begin, begin + budget], progress, |i| match has_clock {
-        true => of(i).time(PASSES).map_err(failed),
+        true => of(i).time(PASSES).map_err(failed).map(|time| [time; 2]),
         false => {
             let watch = Watch::of(gpu.name().software);
             draw(of(i))?;
@@ -150,14 +162,23 @@ fn on_gpu(_: &[&Shader], _: &Frame, _: &Device, _: Duration, _: Progress) -> Res
     Err(DrawError::Device("this build of sdfc cannot use graphics devices".into()))
 }
 
+/// What a contestant took in each round, in seconds.
+struct Laps {
+    contestant: usize,
+    times: Vec<f64>,
+    /// By the clock on the wall.
+    walls: Vec<f64>,
+}
+
 /// The times of some contestants, by their numbers, round by round, until the end of the time that the race has.
 fn rounds(
     ready: &[usize],
     [begin, end]: [Instant; 2],
     progress: Progress,
-    mut lap: impl FnMut(usize) -> Result<Duration, DrawError>,
-) -> Result<Vec<(usize, Vec<f64>)>, DrawError> {
-    let mut laps: Vec<(usize, Vec<f64>)> = ready.iter().map(|i| (*i, Vec::new())).collect();
+    mut lap: impl FnMut(usize) -> Result<[Duration; 2], DrawError>,
+) -> Result<Vec<Laps>, DrawError> {
+    let mut laps: Vec<Laps> =
+        ready.iter().map(|i| Laps { contestant: *i, times: Vec::new(), walls: Vec::new() }).collect();
     for round in 0..ROUNDS[1] {
         if round >= ROUNDS[0] && Instant::now() >= end {
             break;
@@ -168,8 +189,9 @@ fn rounds(
             order.reverse();
         }
         for place in order {
-            let time = lap(ready[place])?;
-            laps[place].1.push(time.as_secs_f64().max(1e-9));
+            let [time, wall] = lap(ready[place])?.map(|time| time.as_secs_f64().max(1e-9));
+            laps[place].times.push(time);
+            laps[place].walls.push(wall);
             progress((begin.elapsed().as_secs_f64() / (end - begin).as_secs_f64().max(1e-3)).min(1.0));
         }
     }
@@ -177,22 +199,29 @@ fn rounds(
 }
 
 fn told(
-    laps: Vec<(usize, Vec<f64>)>,
+    laps: Vec<Laps>,
     contestants: usize,
     device: String,
     fallback: Option<String>,
     clock: &'static str,
     frame: &Frame,
 ) -> Race {
-    let first = laps[0].1.clone();
     let mut out = vec![None; contestants];
-    for (contestant, own) in &laps {
-        let ratios: Vec<f64> = own.iter().zip(&first).map(|(a, b)| a / b).collect();
-        let [low, middle, high] = quartiles(own.clone()).map(Duration::from_secs_f64);
-        out[*contestant] = Some(Lap { time: middle, spread: high - low, ratio: quartiles(ratios) });
+    let ratios = |own: &Laps, other: &Laps| {
+        quartiles(own.times.iter().zip(&other.times).map(|(a, b)| a / b).collect())
+    };
+    for (place, own) in laps.iter().enumerate() {
+        let [low, middle, high] = quartiles(own.times.clone()).map(Duration::from_secs_f64);
+        out[own.contestant] = Some(Lap {
+            time: middle,
+            spread: high - low,
+            wall: Duration::from_secs_f64(quartiles(own.walls.clone())[1]),
+            ratio: ratios(own, &laps[0]),
+            to_previous: ratios(own, &laps[place.saturating_sub(1)]),
+        });
     }
     let size = (frame.width, frame.height);
-    Race { device, fallback, clock, size, rounds: first.len(), laps: out }
+    Race { device, fallback, clock, size, rounds: laps[0].times.len(), laps: out }
 }
 
 /// The lower quartile, the median and the upper quartile of some numbers.
@@ -201,11 +230,11 @@ fn quartiles(mut numbers: Vec<f64>) -> [f64; 3] {
     [1, 2, 3].map(|quarter| numbers[(numbers.len() - 1) * quarter / 4])
 }
 
-/// A clock for what runs on processors: what the process had of them all, where the system tells that.
-enum Watch {
-    Wall(Instant),
+/// A clock for what runs on processors: what the process had of them all, where the system tells that; and the one on the wall.
+struct Watch {
+    begin: Instant,
     #[cfg(unix)]
-    Processors(Duration),
+    processors: Option<Duration>,
 }
 
 impl Watch {
@@ -221,20 +250,22 @@ impl Watch {
 
     /// A clock for what processors do, or else for what a device does.
     fn of(processors: bool) -> Watch {
-        #[cfg(unix)]
-        if processors {
-            return Watch::Processors(processor_time());
-        }
         let _ = processors;
-        Watch::Wall(Instant::now())
+        Watch {
+            begin: Instant::now(),
+            #[cfg(unix)]
+            processors: processors.then(processor_time),
+        }
     }
 
-    fn spent(&self) -> Duration {
-        match self {
-            Watch::Wall(begin) => begin.elapsed(),
-            #[cfg(unix)]
-            Watch::Processors(before) => processor_time().saturating_sub(*before),
+    /// What it shows, and what the one on the wall does.
+    fn spent(&self) -> [Duration; 2] {
+        let wall = self.begin.elapsed();
+        #[cfg(unix)]
+        if let Some(before) = self.processors {
+            return [processor_time().saturating_sub(before), wall];
         }
+        [wall, wall]
     }
 }
 

@@ -1,7 +1,7 @@
 //! `sdfc render scene.sdf -o scene.png`
 
 use crate::arguments::{RenderArguments, TargetName};
-use crate::compile::{our_mistake, shader};
+use crate::compile::{our_mistake, shader, with_accuracy};
 use crate::failure::Failure;
 use crate::input;
 use crate::output::Output;
@@ -33,15 +33,14 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     let wanted = Wanted {
         source: &source,
         options: &picture,
-        compiled: &compiled,
         frame: &frame,
         device: &arguments.device,
         figures: false,
     };
-    let chosen = bounds::choose(&arguments.bounds, &wanted, terminal, &mut clock)?;
-    if let Some(chosen) = &chosen {
-        let options = Options { accuracy: Some(chosen.row().setting.accuracy), ..options };
-        compiled = sdfc::compile(&source.name, &source.text, &options, &mut clock);
+    let chosen = bounds::choose(&arguments.bounds, arguments.budget, &wanted, terminal, &mut clock)?;
+    let accuracy = chosen.map(|chosen| chosen.row.setting.accuracy);
+    if let Some(accuracy) = accuracy {
+        compiled = with_accuracy(accuracy, &source, options, &compiled, terminal, &mut clock);
     }
     let shader = shader(&compiled, terminal)?;
     let progress = Progress::new("drawing");
@@ -64,7 +63,6 @@ pub fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<(), Failu
     if let Some(legend) = legend(view, measured) {
         terminal.note(&legend);
     }
-    let accuracy = chosen.map(|chosen| chosen.row().setting.accuracy);
     let bytes = clock.time("encode", || png(&drawing, &source.text, arguments, accuracy))?;
     clock.time("save", || output.write(&bytes))?;
     if arguments.timings {
@@ -133,14 +131,13 @@ fn png(
     if let Some(view) = arguments.view.and_then(|view| view.to_possible_value()) {
         settings.push_str(&format!(" --view {}", view.get_name()));
     }
-    if let Some(quality) = arguments.quality.preset {
-        settings.push_str(&format!(" --quality {}", quality.word()));
-    }
     for (name, value) in &arguments.set.values {
         settings.push_str(&format!(" --set {name}={value}"));
     }
-    if let Some(accuracy) = accuracy {
-        settings.push_str(&format!(" {accuracy}"));
+    match (accuracy, arguments.quality.preset) {
+        (Some(accuracy), _) => settings.push_str(&format!("; {accuracy}")),
+        (None, Some(quality)) => settings.push_str(&format!(" --quality {}", quality.word())),
+        (None, None) => {}
     }
     let software = format!("sdfc {}", sdfc::VERSION);
     let texts = [("Software", software.as_str()), ("Source", source), ("Settings", &settings)];

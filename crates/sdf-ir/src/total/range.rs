@@ -7,6 +7,9 @@ use crate::number::LARGEST;
 use crate::program::{Binary, Function, FunctionId, Node, Program, RegionId, Role, Ternary, Unary, Value};
 use rustc_hash::FxHashMap;
 
+/// The most rounds that any loop has.
+const MOST_ROUNDS: f64 = 65_536.0;
+
 /// The promised size of a component of a point.
 const POINT: f64 = 1e18;
 
@@ -199,7 +202,9 @@ impl Walk<'_> {
                 }
                 Node::Loop(repeat) => {
                     let state = vec![Range::ALL; function.list(repeat.initial).len()];
-                    let mut with_index = vec![Range::new(0.0, f64::from(repeat.count))];
+                    // A reader of a text may change what it names.
+                    let most = if repeat.limit.is_some() { MOST_ROUNDS } else { f64::from(repeat.count) };
+                    let mut with_index = vec![Range::new(0.0, most)];
                     with_index.extend(&state);
                     arguments.insert(repeat.until, state.clone());
                     arguments.insert(repeat.next, with_index);

@@ -22,13 +22,15 @@ pub struct Errors {
     pub undecided: usize,
     /// Pixels whose rays ran out of steps.
     pub out_of_steps: usize,
-    /// Pixels that show a surface where none is within a tenth of a pixel: where the ray meets nothing, or something else.
+    /// Pixels that show a surface that the ray does not meet, where none is within a tenth of a pixel or what the session asks
+    /// for. A surface that the ray does meet, but shown too near or too far, is an error of the depth.
     pub false_hits: usize,
     /// Pixels that do not show the surface that is there, but nothing, or what lies behind.
     pub false_misses: usize,
     /// How far from where the rays meet the surface it is shown, in pixels along its normal: the distance along the ray times the
-    /// cosine between both; next to the eye, where pixels are tiny, in tens of what the rounding of coordinates is. The median, what 99.9 % are not above, and the most; of the pixels that show this surface, and
-    /// no other that is nearer to the place that was found.
+    /// cosine between both; next to the eye, where pixels are tiny, in tens of what the rounding of coordinates is.
+    /// The median, what 99.9 % are not above, and the most; of the pixels that show this surface, and no other that is nearer to
+    /// the place that was found.
     pub depth: [f64; 3],
     /// How far the normals of the same pixels are off, in degrees: the median, what 99 % are not above, and the most. On an edge
     /// the true one is that of the side that the ray meets.

@@ -11,7 +11,9 @@ use sdf_lang::Accuracy;
 use sdf_render::Frame;
 use sdf_render::certify::found;
 use sdf_render::columns::{Columns, coordinates};
-use std::sync::{Arc, OnceLock};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// How many operations of the field a picture may take that many settings are compared in: an evaluation's, times the evaluations
@@ -83,17 +85,17 @@ pub struct Session<'a> {
     subject: Subject<'a>,
     frame: Frame,
     near: f64,
-    known: OnceLock<(Oracle, Arc<Truth>)>,
+    known: RefCell<Option<(Rc<Oracle>, Arc<Truth>)>>,
 }
 
 impl<'a> Session<'a> {
-    /// For pictures of a frame. A hit is false where no surface is within `near` pixels.
+    /// For pictures of a frame. A hit of what the ray does not meet is false where no surface is within `near` pixels.
     pub fn new(subject: Subject<'a>, frame: Frame, near: f64) -> Session<'a> {
-        Session { subject, frame, near, known: OnceLock::new() }
+        Session { subject, frame, near, known: RefCell::default() }
     }
 
     /// Measures the scene with these settings; ratios of times are to the first. Those that mean the same program are measured
-    /// once. Without a stopwatch no times are taken.
+    /// once. Without a stopwatch no times are taken. There is at least one setting.
     pub fn measure(
         &self,
         settings: &[Setting],
@@ -116,13 +118,19 @@ impl<'a> Session<'a> {
         let measured: Vec<Measured> = clock.time("count and compare", || {
             let each = compiled.iter().enumerate().map(|(i, c)| {
                 show(0.4 + 0.6 * i as f64 / compiled.len() as f64);
-                Measured::of(c, &self.frame, truth, oracle)
+                Measured::of(c, &self.frame, &truth, &oracle)
             });
             each.collect()
         });
         let time = |i: usize| {
             let lap = raced.as_ref().and_then(|race| race.laps[i])?;
-            Some(Time { median: lap.time, spread: lap.spread, ratio: lap.ratio })
+            Some(Time {
+                median: lap.time,
+                spread: lap.spread,
+                wall: lap.wall,
+                ratio: lap.ratio,
+                to_previous: lap.to_previous,
+            })
         };
         let side = |i: usize| compiled[i].setting.accuracy.antialias;
         let point = |i: usize| {
@@ -149,14 +157,15 @@ impl<'a> Session<'a> {
             size: race.size,
             rounds: race.rounds,
         });
-        Ok(Tradeoffs { size: (self.frame.width, self.frame.height), timing, truth: truth.clone(), rows })
+        Ok(Tradeoffs { size: (self.frame.width, self.frame.height), timing, truth, rows })
     }
 
     /// The scene with all settings that differ, and of each setting where it is among them.
     fn compile(&self, settings: &[Setting]) -> Result<(Vec<Compiled>, Vec<usize>), MeasureError> {
+        let subject = self.subject;
         let all: Vec<(Scene, Shader)> = settings
             .par_iter()
-            .map(|setting| self.subject.compile(Some(setting.accuracy)))
+            .map(|setting| subject.compile(Some(setting.accuracy)))
             .collect::<Result<_, _>>()?;
         let (mut compiled, mut places): (Vec<Compiled>, Vec<usize>) = (Vec::new(), Vec::new());
         for (setting, (scene, shader)) in settings.iter().zip(all) {
@@ -174,18 +183,22 @@ impl<'a> Session<'a> {
         &self,
         compiled: &[Compiled],
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<&(Oracle, Arc<Truth>), MeasureError> {
-        if self.known.get().is_none() {
-            let Subject { name, text, options } = self.subject;
-            let oracle = Oracle::new(name, text, options, &self.frame, self.near)?;
-            let mut grids: Vec<u32> = compiled.iter().map(|c| c.setting.accuracy.antialias).collect();
-            grids.sort_unstable();
-            grids.dedup();
-            grids.retain(|side| *side > 1);
-            let truth = Arc::new(oracle.truth(&self.frame, &grids, progress));
-            let _ = self.known.set((oracle, truth));
+    ) -> Result<(Rc<Oracle>, Arc<Truth>), MeasureError> {
+        let mut sides: Vec<u32> = compiled.iter().map(|c| c.setting.accuracy.antialias).collect();
+        let mut known = self.known.borrow_mut();
+        if let Some((oracle, truth)) = &*known {
+            if sides.iter().all(|side| truth.has_grid(*side)) {
+                return Ok((oracle.clone(), truth.clone()));
+            }
+            sides.extend(truth.grids.iter().map(|grid| grid.side));
         }
-        Ok(self.known.get().expect("it was just set"))
+        sides.sort_unstable();
+        sides.dedup();
+        sides.retain(|side| *side > 1);
+        let Subject { name, text, options } = self.subject;
+        let oracle = Oracle::new(name, text, options, &self.frame, self.near)?;
+        let truth = Arc::new(oracle.truth(&self.frame, &sides, progress));
+        Ok(known.insert((Rc::new(oracle), truth)).clone())
     }
 }
 
@@ -203,8 +216,10 @@ impl Measured {
             Columns::of_shader(&compiled.scene.program, compiled.scene.probe.expect("it was asked for"));
         let (columns, _) = probe.at::<f32>(frame, &coordinates(frame, [0.0; 2]), &|_| {});
         let steps = &columns[probe.place("steps")];
-        let (colors, counts) = drawn(&compiled.shader, frame, [0.0; 2]);
-        let (moved, _) = drawn(&compiled.shader, frame, MOVE);
+        let entry = compiled.shader.program.entry.expect("a shader has an entry");
+        let pixel = Columns::as_it_is(&compiled.shader.program, entry);
+        let (colors, counts) = drawn(&pixel, frame, [0.0; 2]);
+        let (moved, _) = drawn(&pixel, frame, MOVE);
         let made = Made {
             found: &found(&probe, &columns),
             colors: &colors,
@@ -222,9 +237,7 @@ impl Measured {
 }
 
 /// The colours of a picture, in sRGB from 0 to 1, and what was evaluated for it.
-fn drawn(shader: &Shader, frame: &Frame, shift: [f64; 2]) -> (Vec<[f32; 3]>, Counts) {
-    let entry = shader.program.entry.expect("a shader has an entry");
-    let pixel = Columns::as_it_is(&shader.program, entry);
+fn drawn(pixel: &Columns, frame: &Frame, shift: [f64; 2]) -> (Vec<[f32; 3]>, Counts) {
     let (columns, counts) = pixel.at::<f32>(frame, &coordinates(frame, shift), &|_| {});
     let color = |i: usize| [0, 1, 2].map(|k| columns[k][i].clamp(0.0, 1.0));
     ((0..columns[0].len()).map(color).collect(), counts)

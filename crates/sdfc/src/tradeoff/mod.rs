@@ -1,9 +1,10 @@
 //! What accuracy costs in time: a scene measured with several settings, each against the truth.
 //!
-//! The typical way is `Session::new → settings → Session::measure → Tradeoffs`. Times are taken of pictures on a device, in rounds that
-//! take turns ([`race`](crate::race())). Errors, evaluations and steps are counted by the interpreter, which computes what
-//! shaders compute, so they are the same on every machine. The truth is a picture in `f64` whose every pixel the certifier has
-//! been asked about ([`Truth`]); nothing of the renderer's march is used for it.
+//! The typical way is `Session::new → settings → Session::measure → Tradeoffs`. Times are taken of pictures on a device, in
+//! rounds that take turns ([`race`](crate::race())). Errors, evaluations and steps are counted by the interpreter, which computes
+//! what shaders compute, so they are the same on every machine. The truth is a picture in `f64`, by the march of the textbook
+//! to the last digits and with shadows, occlusion and glow summed up by other rules than the renderer's; what the rays from the
+//! eye meet is proved by the certifier, where that does not take too long ([`Truth::is_proved`]).
 
 mod choose;
 mod errors;
@@ -88,9 +89,12 @@ pub struct Time {
     pub median: Duration,
     /// From the lower to the upper quartile.
     pub spread: Duration,
-    /// As a multiple of what the scene's own setting takes in the same round: the lower quartile, the median and the upper
-    /// quartile.
+    /// By the clock on the wall, in the median.
+    pub wall: Duration,
+    /// As a multiple of what the first setting takes in the same round: the lower quartile, the median and the upper quartile.
     pub ratio: [f64; 3],
+    /// The same as a multiple of what the setting before it takes that is another program.
+    pub to_previous: [f64; 3],
 }
 
 /// Why a scene was not measured.

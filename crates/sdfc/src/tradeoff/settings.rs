@@ -145,38 +145,35 @@ pub fn neighbours(setting: &Setting) -> Vec<(Setting, Option<(&'static str, Stri
 
 /// The way from one setting to another, a change at a time: each with what was changed last. Both ends are in it.
 pub fn walk(from: &Setting, to: &Setting) -> Vec<Setting> {
-    let mut way = vec![from.clone()];
-    let (mut now, end) = (from.accuracy, to.accuracy);
-    let changes: [(Knob, fn(&mut Accuracy, Accuracy), fn(Accuracy) -> String); 8] = [
-        (Knob::Correction, |a, b| a.correction = b.correction, |_| "step correction derived".into()),
-        (
-            Knob::Relaxation,
-            |a, b| a.relax = b.relax,
-            |a| format!("relax {}", if a.relax { "auto" } else { "none" }),
-        ),
-        (Knob::Normals, |a, b| a.normals = b.normals, |a| format!("normals {}", a.normals.word())),
-        (Knob::Tolerance, |a, b| a.tolerance = b.tolerance, |a| format!("tolerance {}", a.tolerance)),
-        (Knob::Steps, |a, b| a.steps = b.steps, |a| format!("steps {}", a.steps)),
-        (
-            Knob::Shadows,
-            |a, b| a.shadow_accuracy = b.shadow_accuracy,
-            |a| format!("shadow_accuracy {}", a.shadow_accuracy),
-        ),
-        (
-            Knob::Occlusion,
-            |a, b| a.occlusion_samples = b.occlusion_samples,
-            |a| format!("occlusion_samples {}", a.occlusion_samples),
-        ),
-        (Knob::Coordinates, |a, b| a.coordinates = b.coordinates, |_| "coordinates as chosen".into()),
+    let end = to.accuracy;
+    let changes: [(Knob, fn(&mut Accuracy, Accuracy)); 9] = [
+        (Knob::Correction, |a, b| a.correction = b.correction),
+        (Knob::Relaxation, |a, b| a.relax = b.relax),
+        (Knob::Normals, |a, b| a.normals = b.normals),
+        (Knob::Tolerance, |a, b| a.tolerance = b.tolerance),
+        (Knob::Steps, |a, b| a.steps = b.steps),
+        (Knob::Shadows, |a, b| a.shadow_accuracy = b.shadow_accuracy),
+        (Knob::Occlusion, |a, b| a.occlusion_samples = b.occlusion_samples),
+        (Knob::Antialiasing, |a, b| a.antialias = b.antialias),
+        (Knob::Coordinates, |a, b| a.coordinates = b.coordinates),
     ];
-    for (knob, change, name) in changes {
+    let mut way = vec![from.clone()];
+    let mut now = from.accuracy;
+    for (knob, change) in changes {
         let before = now;
         change(&mut now, end);
         if now != before {
-            way.push(Setting::new(knob, name(now), now));
+            way.push(Setting::new(knob, changed(&now, &before), now));
         }
     }
     way
+}
+
+/// What of a setting is other than in one before, as a scene says it.
+fn changed(now: &Accuracy, before: &Accuracy) -> String {
+    let fields: Vec<String> =
+        now.fields_beside(before).into_iter().map(|(name, value)| format!("{name} {value}")).collect();
+    if fields.is_empty() { "what no scene can ask for is left".into() } else { fields.join(", ") }
 }
 
 #[cfg(test)]

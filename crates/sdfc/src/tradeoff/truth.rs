@@ -45,8 +45,8 @@ pub struct Truth {
     pub depths: Vec<f64>,
     /// The surface's normal there.
     pub normals: Vec<[f64; 3]>,
-    /// Whether it is proved what each pixel's ray from the eye meets: nothing, or a surface within a hundredth of a pixel of there.
-    /// The others count as nobody's errors.
+    /// Whether it is known what each pixel's ray from the eye meets, and proved if the picture [is](Truth::is_proved): nothing, or a
+    /// surface within a hundredth of a pixel of there. The others count as nobody's errors.
     pub decided: Vec<bool>,
     /// Whether the colour is that of what is proved to be met. It is not where a promise about a slope is false, by which what
     /// was computed has stepped through a surface; what the surface is like is then known, and not what light it sends.
@@ -283,17 +283,22 @@ impl Oracle {
 }
 
 impl Truth {
+    /// Whether the means are known of grids with so many rays a side.
+    pub(super) fn has_grid(&self, side: u32) -> bool {
+        side <= 1 || self.grids.iter().any(|grid| grid.side == side)
+    }
+
     /// How many pixels there are.
     pub fn pixels(&self) -> usize {
         self.decided.len()
     }
 
-    /// How many of them nothing is proved of.
+    /// Of how many of them that is not known.
     pub fn undecided(&self) -> usize {
         self.decided.iter().filter(|is| !**is).count()
     }
 
-    /// What rounding alone makes of colours: the same in sRGB from 0 to 1.
+    /// The colours in sRGB from 0 to 1.
     pub fn encoded(&self) -> Vec<[f32; 3]> {
         self.colors.iter().map(|color| encoded(*color).map(|c| c as f32)).collect()
     }

@@ -1,85 +1,121 @@
 //! `--max-error` and `--max-time`: the cheapest setting that satisfies them, measured for the scene on the device.
 
+use super::measuring::{self, Measuring};
+use super::page::proof;
 use super::why::digits;
-use super::{failed, page, why};
+use super::{page, why};
 use crate::arguments::BoundArguments;
 use crate::failure::Failure;
 use crate::input;
-use crate::progress::Progress;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{
-    Bounds, NEAR, Row, Session, Setting, Stopwatch, Subject, Tradeoffs, candidates, compared, neighbours,
-};
-use sdfc::{Clock, Compiled, Device, Frame, Options};
-use std::time::Duration;
+use sdfc::tradeoff::{Bounds, Row, Setting, Timing, Tradeoffs, candidates, compared, neighbours};
+use sdfc::{Clock, Device, Frame, Options};
 
 /// For how long pictures are timed where nobody says, in seconds.
 const BUDGET: f64 = 10.0;
 
-/// A setting that was chosen for a scene, with all that it was chosen from.
+/// A setting that was chosen for a scene.
 pub struct Chosen {
-    /// All that was measured.
-    pub measured: Tradeoffs,
-    /// The place of the setting among those.
-    pub place: usize,
-    /// What other values of the constants that texts name cost and buy, as lines for each of them, if that was asked for.
-    pub figures: Vec<(String, Vec<String>)>,
-}
-
-impl Chosen {
     /// The setting, measured.
-    pub fn row(&self) -> &Row {
-        &self.measured.rows[self.place]
-    }
+    pub row: Row,
+    /// What other values of the constants that texts name cost and buy, if that was asked for.
+    pub figures: Option<Figures>,
 }
 
-/// The scene, how it is compiled, the picture that bounds are about, and whether other values of the constants are asked for.
+/// What other values of the constants that texts name cost and buy.
+pub struct Figures {
+    /// How that was measured, as lines.
+    pub head: Vec<String>,
+    /// The names of settings, each with its lines.
+    pub lines: Vec<(String, Vec<String>)>,
+}
+
+/// The scene, how its pictures are compiled, the picture that bounds are about, and whether other values of the constants are
+/// asked for.
 pub struct Wanted<'a> {
     pub figures: bool,
     pub source: &'a input::Scene,
     pub options: &'a Options,
-    pub compiled: &'a Compiled,
     pub frame: &'a Frame,
     pub device: &'a Device,
 }
 
-/// Chooses a setting, and says which; nothing where there is no bound.
+/// Chooses a setting, and says which; nothing where there is no bound. The scene has no mistakes.
 pub fn choose(
     arguments: &BoundArguments,
+    budget: Option<f64>,
     wanted: &Wanted,
     terminal: &Terminal,
     clock: &mut Clock,
 ) -> Result<Option<Chosen>, Failure> {
-    let bounds = arguments.bounds();
     if !arguments.are_any() {
-        return Ok(None);
+        return match budget {
+            None => Ok(None),
+            Some(_) => Err(Failure::call("`--budget` is the time for which a setting is looked for")
+                .help("add `--max-error 0.5px` or `--max-time 16ms`")),
+        };
     }
-    let Wanted { source, options, compiled, frame, device, figures } = wanted;
-    let (scene, shader) = compiled.output.as_ref().expect("a scene without mistakes is a shader");
-    let subject = Subject { name: &source.name, text: &source.text, options };
-    let session = Session::new(subject, compared(shader, frame), bounds.error.unwrap_or(NEAR));
-    let times = if *figures { 2.0 } else { 1.0 };
-    let budget = Duration::from_secs_f64(arguments.budget.unwrap_or(BUDGET) / times);
-    let stopwatch = Stopwatch { device, frame, budget };
-    let progress = Progress::new("measuring");
-    let mut measure = |settings: &[Setting], from: f64| {
-        let show = |part: f64| progress.show(from + part / times);
-        let measured = session.measure(settings, Some(&stopwatch), &show, clock);
-        measured.map_err(|error| failed(error, compiled, terminal))
-    };
-    let measured = measure(&candidates(scene.accuracy), 0.0)?;
-    let Some(chosen) = bounds.choose(&measured) else { return Err(none(&bounds, &measured)) };
-    let place = measured.rows.iter().position(|row| std::ptr::eq(row, chosen)).unwrap_or(0);
-    let figures = if *figures {
-        let (settings, values): (Vec<Setting>, Vec<_>) = neighbours(&chosen.setting).into_iter().unzip();
-        lines(&measure(&settings, 0.5)?, &values)
+    let bounds = arguments.bounds();
+    let Wanted { source, options, frame, device, figures } = *wanted;
+    let compiled = sdfc::compile(&source.name, &source.text, options, clock);
+    let (scene, shader) = compiled.output.as_ref().expect("the scene has no mistakes");
+    let mut measuring = Measuring::new(measuring::Wanted {
+        source,
+        options,
+        compiled: &compiled,
+        frame,
+        compared: compared(shader, frame),
+        device,
+        budget: Some(budget.unwrap_or(BUDGET)),
+        near: bounds.error,
+        times: if figures { 2 } else { 1 },
+    });
+    let measured = measuring.measure(&candidates(scene.accuracy), terminal, clock)?;
+    if bounds.time.is_some() {
+        must_be_of_size(&measured, frame)?;
+    }
+    let place = bounds.choose(&measured).ok_or_else(|| none(&bounds, &measured))?;
+    let row = measured.rows[place].clone();
+    let figures = if figures {
+        let (settings, values): (Vec<Setting>, Vec<_>) = neighbours(&row.setting).into_iter().unzip();
+        let beside = measuring.measure(&settings, terminal, clock)?;
+        Some(Figures { head: head(&beside), lines: lines(&beside, &values) })
     } else {
-        Vec::new()
+        None
     };
-    progress.end();
+    measuring.end();
     page::note_fallback(&measured, terminal);
-    terminal.note(&said(chosen, frame));
-    Ok(Some(Chosen { measured, place, figures }))
+    terminal.note(&said(&row, &measured));
+    Ok(Some(Chosen { row, figures }))
+}
+
+/// A time is bounded for a picture of one size. The interpreter times smaller ones where it has too little time.
+fn must_be_of_size(measured: &Tradeoffs, frame: &Frame) -> Result<(), Failure> {
+    match &measured.timing {
+        Some(timing) if timing.size != (frame.width, frame.height) => Err(Failure::call(format!(
+            "a picture of {}x{} takes the CPU too long to be timed",
+            frame.width, frame.height
+        ))
+        .help("give it more time, such as `--budget 60`, or a smaller `--size`")),
+        _ => Ok(()),
+    }
+}
+
+/// How the figures below constants were measured.
+fn head(measured: &Tradeoffs) -> Vec<String> {
+    let (width, height) = measured.size;
+    let timing = measured.timing.as_ref().expect("bounds are measured with times");
+    vec![
+        format!("Below constants: what other values cost and buy. Times are of {};", timed(timing)),
+        format!(
+            "errors of {width}x{height}: of 99.9 % of the depths and 99 % of the normals at most; rms is of 255."
+        ),
+    ]
+}
+
+/// What was timed, and on what.
+fn timed(timing: &Timing) -> String {
+    format!("{}x{} on {}", timing.size.0, timing.size.1, timing.device)
 }
 
 /// What other values of the constants of a text cost and buy beside the first setting, as lines for each constant.
@@ -94,7 +130,7 @@ fn lines(measured: &Tradeoffs, values: &[Option<(&'static str, String)>]) -> Vec
         }
         let line = format!(
             "  with {value} instead: {}, {}",
-            why::cost(own, row),
+            why::cost(own, row, row.time.map(|time| time.ratio)),
             why::bought(&own.errors, &row.errors)
         );
         // Comments of shaders are ASCII.
@@ -108,18 +144,36 @@ fn lines(measured: &Tradeoffs, values: &[Option<(&'static str, String)>]) -> Vec
 }
 
 /// What was chosen.
-fn said(row: &Row, frame: &Frame) -> String {
-    format!("chosen: `{}`, {}\n{}", row.setting.name, figures(row, frame), row.setting.accuracy)
+fn said(row: &Row, measured: &Tradeoffs) -> String {
+    let untimed = match measured.rows.iter().filter(|row| row.time.is_none()).count() {
+        0 => String::new(),
+        n => format!("\n{n} settings were not timed: `--budget` gives more time"),
+    };
+    let (width, height) = measured.size;
+    format!(
+        "chosen: `{}`, {}\nerrors are of {width}x{height} pixels; {}{untimed}\n{}",
+        row.setting.name,
+        figures(row, measured),
+        proof(&measured.truth),
+        row.setting.accuracy
+    )
 }
 
 /// What a setting takes, and how far off it is.
-fn figures(row: &Row, frame: &Frame) -> String {
-    let time = row.time.map_or("no time".into(), |time| {
-        format!("{} ms at {}x{}", digits(time.median.as_secs_f64() * 1e3), frame.width, frame.height)
-    });
+fn figures(row: &Row, measured: &Tradeoffs) -> String {
+    let time = match (row.time, &measured.timing) {
+        (Some(time), Some(timing)) => {
+            format!("{} ms for {}", digits(time.wall.as_secs_f64() * 1e3), timed(timing))
+        }
+        _ => format!("{} evaluations a pixel", digits(row.evaluations)),
+    };
     let errors = &row.errors;
+    let lost = match errors.out_of_steps {
+        0 => String::new(),
+        n => format!(", {n} rays out of steps"),
+    };
     format!(
-        "{time}, hits off by up to {} px, {} false hits, {} false misses, rms {} of 255",
+        "{time}, hits off by up to {} px, {} false hits, {} false misses{lost}, rms {} of 255",
         digits(errors.depth[2]),
         errors.false_hits,
         errors.false_misses,
@@ -129,15 +183,17 @@ fn figures(row: &Row, frame: &Frame) -> String {
 
 /// Nothing that was measured satisfies the bounds.
 pub(super) fn none(bounds: &Bounds, measured: &Tradeoffs) -> Failure {
-    let (width, height) = measured.timing.as_ref().map_or(measured.size, |timing| timing.size);
-    let frame = Frame::new(width, height);
-    let fastest =
-        measured.rows.iter().filter(|row| row.time.is_some()).min_by_key(|row| row.time.map(|t| t.median));
+    let wall = |row: &Row| row.time.map(|time| time.wall);
+    let fastest = measured.rows.iter().filter(|row| row.time.is_some()).min_by_key(|row| wall(row));
     let nearest = measured.rows.iter().min_by(|a, b| {
         let wrong = |row: &Row| (row.errors.false_hits + row.errors.false_misses, row.errors.depth[2]);
         wrong(a).partial_cmp(&wrong(b)).unwrap_or(std::cmp::Ordering::Equal)
     });
+    let is_untimed = measured.timing.is_some() && measured.rows.iter().any(|row| row.time.is_none());
     let (closest, help) = match (bounds.error, bounds.time) {
+        (_, _) if is_untimed => {
+            (nearest, "not all settings were timed: give more time, such as `--budget 60`")
+        }
         (_, None) => (nearest, "allow a larger error"),
         (None, Some(_)) => {
             (fastest, "allow more time, or draw fewer pixels; `sdfc explain` says what takes the time")
@@ -145,7 +201,7 @@ pub(super) fn none(bounds: &Bounds, measured: &Tradeoffs) -> Failure {
         (Some(_), Some(_)) => (nearest, "allow a larger error or more time"),
     };
     let closest = closest.map_or(String::new(), |row| {
-        format!("; the closest is `{}`: {}", row.setting.name, figures(row, &frame))
+        format!("; the closest is `{}`: {}", row.setting.name, figures(row, measured))
     });
     Failure::call(format!("no setting satisfies the bounds{closest}")).help(help)
 }

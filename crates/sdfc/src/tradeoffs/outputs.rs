@@ -39,6 +39,12 @@ impl Outputs {
         if let Some(path) = plot {
             wanted.push((of_plot(path)?, path));
         }
+        for (i, (_, path)) in wanted.iter().enumerate() {
+            if !is_dash(path) && wanted[..i].iter().any(|(_, other)| other == path) {
+                return Err(Failure::call(format!("{} is named twice", path.display()))
+                    .help("each of `--json`, `--csv` and `--plot` writes a file of its own"));
+            }
+        }
         let prepared = wanted.into_iter().map(|(form, path)| Ok((form, Output::prepare(path, scene)?)));
         prepared.collect::<Result<_, _>>().map(Outputs)
     }

@@ -1,6 +1,7 @@
 //! What was measured, for people.
 
 use super::why::digits;
+use crate::output::aligned;
 use crate::terminal::Terminal;
 use sdfc::tradeoff::{Bounds, Row, Tradeoffs, Truth};
 
@@ -33,31 +34,26 @@ pub fn page(name: &str, measured: &Tradeoffs, bounds: Bounds) -> String {
         let first = format!("{mark} {}", row.setting.name);
         lines.push([first].into_iter().chain(COLUMNS.map(|(_, show)| show(row))).collect());
     }
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..=COLUMNS.len()).map(width).collect();
-    let line = |cells: &[String]| {
-        let mut out = format!("{:<width$}", cells[0], width = widths[0]);
-        for (cell, width) in cells.iter().zip(&widths).skip(1) {
-            out.push_str(&format!("  {cell:>width$}"));
-        }
-        out + "\n"
-    };
+    let lines = aligned(&lines);
     let mut out = head(name, measured);
     out.push('\n');
-    out.push_str(&line(&lines[0]));
+    out.push_str(&lines[0]);
     let mut before = measured.rows.first().map(|row| row.setting.knob);
-    for (row, cells) in measured.rows.iter().zip(&lines[1..]) {
+    for (row, line) in measured.rows.iter().zip(&lines[1..]) {
         if before != Some(row.setting.knob) {
             out.push('\n');
             before = Some(row.setting.knob);
         }
-        out.push_str(&line(cells));
+        out.push_str(line);
     }
     out.push('\n');
     out.push_str(LEGEND);
     if bounds != Bounds::default() {
         out.push_str(&match bounds.choose(measured) {
-            Some(row) => format!("\nWithin the bounds: {}\n  {}\n", row.setting.name, row.setting.accuracy),
+            Some(place) => {
+                let setting = &measured.rows[place].setting;
+                format!("\nWithin the bounds: {}\n  {}\n", setting.name, setting.accuracy)
+            }
             None => "\nNo setting is within the bounds.\n".to_string(),
         });
     }
@@ -65,7 +61,7 @@ pub fn page(name: &str, measured: &Tradeoffs, bounds: Bounds) -> String {
 }
 
 /// What was measured, and how.
-fn head(name: &str, measured: &Tradeoffs) -> String {
+pub fn head(name: &str, measured: &Tradeoffs) -> String {
     let (width, height) = measured.size;
     let timed = match &measured.timing {
         Some(t) => format!(

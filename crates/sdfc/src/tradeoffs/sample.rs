@@ -16,7 +16,7 @@ pub fn measured(figures: &[(f64, f64)]) -> Tradeoffs {
         let milliseconds = |t: f64| Duration::from_secs_f64(t / 1e3);
         let (median, spread) = (milliseconds(*time), milliseconds(time / 10.0));
         let mut row = Row { setting, on_frontier, ..row.clone() };
-        row.time = Some(Time { median, spread, ratio: [1.0; 3] });
+        row.time = Some(Time { median, spread, wall: median, ratio: [1.0; 3], to_previous: [1.0; 3] });
         row.errors.rms = *error;
         row
     });

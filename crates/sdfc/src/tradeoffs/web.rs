@@ -62,7 +62,7 @@ fn setting(i: usize, row: &Row, measured: &Tradeoffs, truth: &[[f32; 3]]) -> Str
     let name = escaped(&row.setting.name);
     let figures = escaped(&figures(row));
     let own = address(&picture(measured.size, &row.colors));
-    let difference = difference(measured.size, &row.colors, truth, &measured.truth.decided);
+    let difference = difference(measured.size, &row.colors, truth, &measured.truth.colored);
     let apart = address(&difference.picture);
     let factor = match difference.factor {
         Some(factor) => format!("difference, times {factor}"),

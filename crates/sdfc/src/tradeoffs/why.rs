@@ -1,5 +1,6 @@
 //! What each step from a setting to the exact one costs and buys.
 
+use super::page::head;
 use sdfc::tradeoff::{Errors, Row, Tradeoffs};
 
 /// An error as it is told: its words, how it is read, and its unit.
@@ -22,33 +23,35 @@ const TOLD: [Told; 9] = [
 pub fn page(name: &str, measured: &Tradeoffs) -> String {
     let rows = &measured.rows;
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return String::new() };
-    let mut lines = vec![format!("{name}: from `{}` to `exact`, a setting at a time", first.setting.name)];
-    lines.push(format!("  {}", first.setting.accuracy));
+    let mut out = head(name, measured);
+    out += &format!("\nFrom `{}` to `exact`, a setting at a time:\n", first.setting.name);
+    out += &format!("  {}\n", first.setting.accuracy);
     let width = rows.iter().map(|row| row.setting.name.chars().count()).max().unwrap_or(0).max(8);
-    let line = |name: &str, from: &Row, to: &Row| {
-        format!("  {name:<width$}  {:>18}  {}", cost(from, to), bought(&from.errors, &to.errors))
+    let line = |name: &str, cost: String, from: &Row, to: &Row| {
+        format!("  {name:<width$}  {cost:>20}  {}\n", bought(&from.errors, &to.errors))
     };
     if rows.len() == 1 {
-        lines.push("  it is exact already: there is no step to take".into());
+        out += "  it is exact already: there is no step to take\n";
     }
     for pair in rows.windows(2) {
-        lines.push(line(&pair[1].setting.name, &pair[0], &pair[1]));
+        let cost = cost(&pair[0], &pair[1], pair[1].time.map(|time| time.to_previous));
+        out += &line(&pair[1].setting.name, cost, &pair[0], &pair[1]);
     }
     if rows.len() > 2 {
-        lines.push(line("together", first, last));
+        out += &line("together", cost(first, last, last.time.map(|time| time.ratio)), first, last);
     }
-    lines.join("\n") + "\n"
+    out + "\nWhat a step costs is its time beside that of the one before, in the median of the rounds, and half of what lies \
+        between the\nquartiles. 99.9 % of the hits and 99 % of the normals are as near as that; rms and aliasing are of 255.\n"
 }
 
-/// What a step costs: the change of the time, with how far the quartiles are off, else of the evaluations.
-pub fn cost(from: &Row, to: &Row) -> String {
-    match (from.time, to.time) {
-        (Some(a), Some(b)) => {
-            let ratio = |quartile: usize| b.ratio[quartile] / a.ratio[1] - 1.0;
-            let off = (ratio(2) - ratio(0)).abs() / 2.0;
-            format!("{:+.1} % time (±{:.1})", 100.0 * ratio(1), 100.0 * off)
+/// What a setting costs beside another one by the quartiles of the ratios of their times, with half of what lies between the outer
+/// ones; by evaluations if either has no time.
+pub fn cost(from: &Row, to: &Row, ratio: Option<[f64; 3]>) -> String {
+    match ratio.filter(|_| from.time.is_some()) {
+        Some([low, middle, high]) => {
+            format!("{:+.1} % time (±{:.1})", 100.0 * (middle - 1.0), 50.0 * (high - low))
         }
-        _ => format!("{:+.1} % evaluations", 100.0 * (to.evaluations / from.evaluations.max(1e-9) - 1.0)),
+        None => format!("{:+.1} % evaluations", 100.0 * (to.evaluations / from.evaluations.max(1e-9) - 1.0)),
     }
 }
 
@@ -85,17 +88,16 @@ mod tests {
         for (i, row) in measured.rows.iter_mut().enumerate() {
             let time = row.time.as_mut().expect("all have times");
             time.ratio = [0.99, 1.0, 1.01].map(|r| r * f64::from(1 << i));
+            time.to_previous = [1.98, 2.0, 2.02];
             row.errors.false_hits = 4 >> i;
         }
         let page = page("a.sdf", &measured);
         let lines: Vec<&str> = page.lines().collect();
-        assert_eq!(lines.len(), 5, "{page}");
-        assert!(lines[2].contains("+100.0 % time (±2.0)") && lines[2].contains("false hits 4 → 2"), "{page}");
-        assert!(
-            lines[4].trim_start().starts_with("together") && lines[4].contains("+300.0 % time"),
-            "{page}"
-        );
-        assert!(lines[4].contains("rms 1.00 → 0.100"), "{page}");
+        let step = lines.iter().position(|line| line.contains("+100.0 % time (±2.0)")).expect("a step");
+        assert!(lines[step].contains("false hits 4 → 2"), "{page}");
+        let all = lines[step + 2];
+        assert!(all.trim_start().starts_with("together") && all.contains("+300.0 % time"), "{page}");
+        assert!(all.contains("rms 1.00 → 0.100"), "{page}");
         measured.rows.truncate(1);
         assert!(super::page("a.sdf", &measured).contains("exact already"));
     }

@@ -38,7 +38,8 @@ fn timed(
     };
     let settings: Vec<Setting> = accuracies.iter().enumerate().map(named).collect();
     let frame = Frame::new(width, height);
-    let stopwatch = budget.map(|budget| Stopwatch { device: &Device::Cpu, frame: &frame, budget });
+    let stopwatch =
+        budget.map(|budget| Stopwatch { device: &Device::Cpu, frame: &frame, budget, enough: None });
     let subject = Subject { name: "cost", text, options };
     let session = Session::new(subject, frame.clone(), NEAR);
     let made = session.measure(&settings, stopwatch.as_ref(), &|_| {}, &mut Clock::default());

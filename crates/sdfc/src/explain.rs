@@ -4,6 +4,8 @@ mod explanation;
 mod page;
 mod scene;
 
+pub use explanation::Set;
+
 use crate::arguments::{ExplainArguments, MessageArguments};
 use crate::failure::Failure;
 use crate::output::print;

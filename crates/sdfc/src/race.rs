@@ -17,8 +17,10 @@ const PASSES: u32 = 8;
 /// How long a device that has a clock draws before it is timed.
 #[cfg(feature = "gpu")]
 const WARM: Duration = Duration::from_millis(300);
-/// How many rounds there are at least, however long they take, and how many are enough.
-const ROUNDS: [usize; 2] = [3, 101];
+/// How many rounds there are at least, however long they take.
+const LEAST: usize = 3;
+/// How many rounds are enough where nobody says.
+pub(crate) const ENOUGH: usize = 51;
 /// Which share of the time may go by before the first round.
 const WARMING: f64 = 0.7;
 
@@ -63,11 +65,31 @@ pub fn race(
     budget: Duration,
     progress: Progress,
 ) -> Result<Race, DrawError> {
+    race_of(shaders, frame, device, Limits { budget, enough: ENOUGH }, progress)
+}
+
+/// How long contestants draw.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// For about how long.
+    pub budget: Duration,
+    /// After how many rounds it ends before that.
+    pub enough: usize,
+}
+
+/// Draws each shader once a round, within limits.
+pub(crate) fn race_of(
+    shaders: &[&Shader],
+    frame: &Frame,
+    device: &Device,
+    limits: Limits,
+    progress: Progress,
+) -> Result<Race, DrawError> {
     match device {
-        Device::Cpu => on_cpu(shaders, frame, None, budget, progress),
-        Device::Gpu | Device::Named(_) => on_gpu(shaders, frame, device, budget, progress),
-        Device::Auto => match on_gpu(shaders, frame, device, budget, progress) {
-            Err(DrawError::Device(why)) => on_cpu(shaders, frame, Some(why), budget, progress),
+        Device::Cpu => on_cpu(shaders, frame, None, limits, progress),
+        Device::Gpu | Device::Named(_) => on_gpu(shaders, frame, device, limits, progress),
+        Device::Auto => match on_gpu(shaders, frame, device, limits, progress) {
+            Err(DrawError::Device(why)) => on_cpu(shaders, frame, Some(why), limits, progress),
             other => other,
         },
     }
@@ -78,7 +100,7 @@ fn on_cpu(
     shaders: &[&Shader],
     frame: &Frame,
     fallback: Option<String>,
-    budget: Duration,
+    Limits { budget, enough }: Limits,
     progress: Progress,
 ) -> Result<Race, DrawError> {
     let begin = Instant::now();
@@ -92,14 +114,14 @@ fn on_cpu(
     loop {
         let start = Instant::now();
         draw(shaders[0], &frame)?;
-        let all = start.elapsed() * (shaders.len() * ROUNDS[0]) as u32;
+        let all = start.elapsed() * (shaders.len() * LEAST) as u32;
         if all <= end.saturating_duration_since(Instant::now()) || frame.width.min(frame.height) < 32 {
             break;
         }
         (frame.width, frame.height) = (frame.width / 2, frame.height / 2);
     }
     let ready: Vec<usize> = (0..shaders.len()).collect();
-    let laps = rounds(&ready, [begin, end], progress, |i| draw(shaders[i], &frame))?;
+    let laps = rounds(&ready, [begin, end], enough, progress, |i| draw(shaders[i], &frame))?;
     Ok(told(laps, shaders.len(), "CPU".into(), fallback, Watch::CLOCK, &frame))
 }
 
@@ -108,7 +130,7 @@ fn on_gpu(
     shaders: &[&Shader],
     frame: &Frame,
     device: &Device,
-    budget: Duration,
+    Limits { budget, enough }: Limits,
     progress: Progress,
 ) -> Result<Race, DrawError> {
     use crate::draw::{failed, open};
@@ -141,7 +163,7 @@ fn on_gpu(
     while has_clock && warm.elapsed() < WARM {
         of(0).time(PASSES).map_err(failed)?;
     }
-    let laps = rounds(&ready, [begin, begin + budget], progress, |i| match has_clock {
+    let laps = rounds(&ready, [begin, begin + budget], enough, progress, |i| match has_clock {
         true => of(i).time(PASSES).map_err(failed).map(|time| [time; 2]),
         false => {
             let watch = Watch::of(gpu.name().software);
@@ -158,7 +180,7 @@ fn on_gpu(
 }
 
 #[cfg(not(feature = "gpu"))]
-fn on_gpu(_: &[&Shader], _: &Frame, _: &Device, _: Duration, _: Progress) -> Result<Race, DrawError> {
+fn on_gpu(_: &[&Shader], _: &Frame, _: &Device, _: Limits, _: Progress) -> Result<Race, DrawError> {
     Err(DrawError::Device("this build of sdfc cannot use graphics devices".into()))
 }
 
@@ -174,13 +196,14 @@ struct Laps {
 fn rounds(
     ready: &[usize],
     [begin, end]: [Instant; 2],
+    enough: usize,
     progress: Progress,
     mut lap: impl FnMut(usize) -> Result<[Duration; 2], DrawError>,
 ) -> Result<Vec<Laps>, DrawError> {
     let mut laps: Vec<Laps> =
         ready.iter().map(|i| Laps { contestant: *i, times: Vec::new(), walls: Vec::new() }).collect();
-    for round in 0..ROUNDS[1] {
-        if round >= ROUNDS[0] && Instant::now() >= end {
+    for round in 0..enough.max(LEAST) {
+        if round >= LEAST && Instant::now() >= end {
             break;
         }
         // Nobody is always the one after the same other.

@@ -54,7 +54,7 @@ fn a_bound_of_the_error_chooses_what_the_scene_can_say_itself() {
         "{below}"
     );
     assert!(
-        a.contains("// Below constants: what other values cost and buy. Times are of 48x27 on CPU;"),
+        a.contains("// Below constants: what other values cost and buy. Times are of 48x27 on CPU, "),
         "{a}"
     );
     assert!(!b.contains(" instead: "));

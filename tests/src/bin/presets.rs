@@ -1,12 +1,11 @@
 //! `presets` derives the presets of `quality` from all examples and writes `tests/tables/presets.md`; where the environment's
 //! `ADAPTER` names a device, that device is measured, and the table has its name in its own.
 //!
-//! `--size 320x180` sets the size of the pictures that are timed, `--seconds 60` how long those of an example are.
+//! `--size 160x90` sets the size of the pictures that are timed, `--rounds 21` in how many rounds.
 
 use sdf_render::Frame;
 use sdf_tests::presets::{Study, TABLE, grid, table};
 use sdf_tests::{adapter, scenes};
-use std::time::Duration;
 
 fn main() {
     if let Err(error) = run(std::env::args().skip(1)) {
@@ -16,7 +15,7 @@ fn main() {
 }
 
 fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
-    let (mut size, mut seconds) = ((320, 180), 60);
+    let (mut size, mut rounds) = ((160, 90), 21);
     while let Some(argument) = arguments.next() {
         let value = arguments.next().ok_or(format!("{argument} takes a value"))?;
         let number = |text: &str| text.parse().map_err(|_| format!("`{text}` is no whole number"));
@@ -26,15 +25,15 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<(), String> {
                     value.split_once('x').ok_or(format!("`{value}` is no size; one is 320x180"))?;
                 size = (number(width)?, number(height)?);
             }
-            "--seconds" => seconds = number(&value)?,
-            _ => return Err(format!("what is `{argument}`? there are --size and --seconds")),
+            "--rounds" => rounds = number(&value)? as usize,
+            _ => return Err(format!("what is `{argument}`? there are --size and --rounds")),
         }
     }
     let frame = Frame::new(size.0, size.1);
     let mut study = Study::new(grid());
     for example in scenes::all_examples() {
         eprintln!("{}", example.name);
-        study.add(&example, &frame, Duration::from_secs(u64::from(seconds)))?;
+        study.add(&example, &frame, rounds)?;
     }
     table(&study, &frame)?.write(&adapter::table(TABLE));
     Ok(())

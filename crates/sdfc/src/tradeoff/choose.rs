@@ -1,7 +1,6 @@
 //! The setting that satisfies a bound.
 
-use super::{Row, Tradeoffs};
-use sdf_lang::{Coordinates, Correction};
+use super::{Row, Time, Tradeoffs};
 use std::time::Duration;
 
 /// What a picture must satisfy. A setting must have been measured with hits counted as false beyond the error.
@@ -11,12 +10,6 @@ pub struct Bounds {
     pub error: Option<f64>,
     /// How long a picture may take, by the clock on the wall.
     pub time: Option<Duration>,
-}
-
-/// Whether a scene can ask for a setting, and has as many rays a pixel with it as with its own.
-fn is_of_scenes(row: &Row, own: &Row) -> bool {
-    let (a, b) = (&row.setting.accuracy, &own.setting.accuracy);
-    (a.correction, a.coordinates, a.antialias) == (Correction::Derived, Coordinates::Chosen, b.antialias)
 }
 
 impl Bounds {
@@ -29,13 +22,13 @@ impl Bounds {
         self.error.is_none_or(is_near) && self.time.is_none_or(is_fast)
     }
 
-    /// The place of the setting to take, if one that scenes can ask for satisfies all: where the error is bounded the fastest,
-    /// or that with the fewest evaluations where no times were taken; else the most exact. Rays may run out of steps if they do
-    /// with every setting.
+    /// The place of the setting to take, if one that scenes can ask for satisfies all: where the error is bounded the fastest, of
+    /// those that are as fast within their spread that with the fewest evaluations, as where no times were taken; else that of
+    /// the least rms. Rays may run out of steps if they do with every setting.
     pub fn choose(&self, measured: &Tradeoffs) -> Option<usize> {
         let rows = &measured.rows;
         let own = rows.first()?;
-        let all = || (0..rows.len()).filter(|i| is_of_scenes(&rows[*i], own));
+        let all = || (0..rows.len()).filter(|i| rows[*i].setting.is_like(&own.setting));
         let lost = all().map(|i| rows[i].errors.out_of_steps).min()?;
         let fits = || all().filter(|i| self.hold_for(&rows[*i], lost));
         let least = |of: &dyn Fn(&Row) -> Option<f64>| {
@@ -43,7 +36,12 @@ impl Bounds {
             known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
         };
         match (self.error, &measured.timing) {
-            (Some(_), Some(_)) => least(&|row| row.time.map(|time| time.median.as_secs_f64())),
+            (Some(_), Some(_)) => {
+                let fastest = rows[least(&|row| row.time.map(|time| time.median.as_secs_f64()))?].time?;
+                let is_as_fast =
+                    |time: &Time| time.median <= fastest.median + fastest.spread.max(time.spread) / 2;
+                least(&|row| row.time.filter(is_as_fast).map(|_| row.evaluations))
+            }
             (Some(_), None) => least(&|row| Some(row.evaluations)),
             (None, _) => least(&|row| Some(row.errors.rms)),
         }
@@ -52,9 +50,9 @@ impl Bounds {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Errors, Knob, Setting, Time, Timing, Truth};
+    use super::super::{Errors, Knob, Setting, Timing, Truth};
     use super::*;
-    use sdf_lang::Accuracy;
+    use sdf_lang::{Accuracy, Coordinates, Correction};
 
     /// A setting that takes so long, with hits that are off by so much and a picture that is off by as many codes.
     fn row(name: &str, milliseconds: u64, off: f64, false_hits: usize) -> Row {

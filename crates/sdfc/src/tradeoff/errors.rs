@@ -219,7 +219,8 @@ fn square(color: [f32; 3], linear: [f64; 3]) -> f64 {
 }
 
 fn root_of_mean(squares: &[f64]) -> f64 {
-    (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
+    // The sum of nothing is -0.
+    (squares.iter().sum::<f64>().max(0.0) / squares.len().max(1) as f64).sqrt()
 }
 
 /// What a share of some sorted numbers is not above; 0 of none.

@@ -3,8 +3,9 @@
 use super::errors::{Errors, Made};
 use super::settings::{MOVE, Setting};
 use super::truth::{Oracle, Truth};
-use super::{MeasureError, Row, Time, Timing, Tradeoffs, frontier};
-use crate::{Clock, Device, Options, Progress, Scene, Shader, compile, race};
+use super::{MeasureError, Point, Row, Time, Timing, Tradeoffs, frontier};
+use crate::race::{ENOUGH, Limits, race_of};
+use crate::{Clock, Device, Options, Progress, Scene, Shader, compile};
 use rayon::prelude::*;
 use sdf_ir::eval::Counts;
 use sdf_lang::Accuracy;
@@ -62,6 +63,8 @@ pub struct Stopwatch<'a> {
     pub frame: &'a Frame,
     /// For about how long.
     pub budget: Duration,
+    /// After how many rounds that ends before, where something else is asked for than the usual number.
+    pub enough: Option<usize>,
 }
 
 /// A scene, compiled with a setting.
@@ -109,7 +112,10 @@ impl<'a> Session<'a> {
         let timing = if stopwatch.is_some() { TIMING } else { 0.0 };
         let raced = clock.time("time", || {
             let show = |part| progress(part * timing);
-            let race = |watch: &Stopwatch| race(&shaders, watch.frame, watch.device, watch.budget, &show);
+            let race = |watch: &Stopwatch| {
+                let limits = Limits { budget: watch.budget, enough: watch.enough.unwrap_or(ENOUGH) };
+                race_of(&shaders, watch.frame, watch.device, limits, &show)
+            };
             stopwatch.map(race).transpose()
         })?;
         let show = |part: f64| progress(timing + (1.0 - timing) * part);
@@ -132,11 +138,14 @@ impl<'a> Session<'a> {
                 to_previous: lap.to_previous,
             })
         };
-        let side = |i: usize| compiled[i].setting.accuracy.antialias;
+        let own = &compiled[0].setting;
         let point = |i: usize| {
-            // More rays make another picture.
-            let time = time(i).filter(|_| side(i) == side(0));
-            (time.map(|time| time.median.as_secs_f64()), measured[i].errors.rms)
+            let time = time(i).filter(|_| compiled[i].setting.is_like(own))?;
+            Some(Point {
+                time: [time.median, time.spread].map(|time| time.as_secs_f64()),
+                error: measured[i].errors.rms,
+                evaluations: measured[i].evaluations,
+            })
         };
         let on_frontier = frontier(&(0..compiled.len()).map(point).collect::<Vec<_>>());
         let rows = settings.iter().zip(places).map(|(setting, i)| Row {

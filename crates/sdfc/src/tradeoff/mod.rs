@@ -15,7 +15,7 @@ mod truth;
 
 pub use choose::Bounds;
 pub use errors::Errors;
-pub use frontier::frontier;
+pub use frontier::{Point, frontier};
 pub use measure::{Session, Stopwatch, Subject, compared};
 pub use settings::{Knob, Setting, candidates, neighbours, settings, walk};
 pub use truth::{NEAR, Truth};
@@ -76,7 +76,8 @@ pub struct Row {
     pub steps: f64,
     /// How far from the truth it is.
     pub errors: Errors,
-    /// Whether no setting that was measured is as fast and as exact, and better in one of both.
+    /// Whether no setting that was measured is as fast and as exact, and better in one of both, of those that scenes can ask for
+    /// and that have as many rays a pixel as the first.
     pub on_frontier: bool,
     /// The colours of the picture, red, green and blue in sRGB from 0 to 1, row by row from the top.
     pub colors: Vec<[f32; 3]>,

@@ -46,6 +46,14 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// Whether a scene can ask for it, and has as many rays a pixel then as with another one.
+    pub fn is_like(&self, other: &Setting) -> bool {
+        let Accuracy { correction, coordinates, antialias, .. } = self.accuracy;
+        correction == Correction::Derived
+            && coordinates == Coordinates::Chosen
+            && antialias == other.accuracy.antialias
+    }
+
     fn new(knob: Knob, name: impl Into<String>, accuracy: Accuracy) -> Setting {
         Setting { name: name.into(), knob, accuracy, preset: None, is_own: false }
     }

@@ -14,6 +14,9 @@ use sdfc::{Clock, Device, Frame, Options};
 /// For how long pictures are timed where nobody says, in seconds.
 const BUDGET: f64 = 10.0;
 
+/// How many rounds of times there must be for their differences to be written into texts.
+const ROUNDS: usize = 8;
+
 /// A setting that was chosen for a scene.
 pub struct Chosen {
     /// The setting, measured.
@@ -56,6 +59,11 @@ pub fn choose(
         };
     }
     let bounds = arguments.bounds();
+    if wanted.options.quality.is_some() {
+        return Err(
+            Failure::call("`--quality` and bounds both choose a setting").help("leave one of them out")
+        );
+    }
     let Wanted { source, options, frame, device, figures } = *wanted;
     let compiled = sdfc::compile(&source.name, &source.text, options, clock);
     let (scene, shader) = compiled.output.as_ref().expect("the scene has no mistakes");
@@ -106,7 +114,11 @@ fn head(measured: &Tradeoffs) -> Vec<String> {
     let (width, height) = measured.size;
     let timing = measured.timing.as_ref().expect("bounds are measured with times");
     vec![
-        format!("Below constants: what other values cost and buy. Times are of {};", timed(timing)),
+        format!(
+            "Below constants: what other values cost and buy. Times are of {}, {} rounds;",
+            timed(timing),
+            timing.rounds
+        ),
         format!(
             "errors of {width}x{height}: of 99.9 % of the depths and 99 % of the normals at most; rms is of 255."
         ),
@@ -128,13 +140,16 @@ fn lines(measured: &Tradeoffs, values: &[Option<(&'static str, String)>]) -> Vec
         if row.is_again {
             continue;
         }
+        // A few rounds tell little of times.
+        let rounds = measured.timing.as_ref().map_or(0, |timing| timing.rounds);
+        let ratio = row.time.filter(|_| rounds >= ROUNDS).map(|time| time.ratio);
         let line = format!(
             "  with {value} instead: {}, {}",
-            why::cost(own, row, row.time.map(|time| time.ratio)),
+            why::cost(own, row, ratio),
             why::bought(&own.errors, &row.errors)
         );
         // Comments of shaders are ASCII.
-        let line = line.replace('→', "to").replace('±', "+-").replace('°', " degrees");
+        let line = line.replace('→', "->").replace('±', "+-").replace('°', " degrees");
         match all.iter_mut().find(|(other, _)| other == name) {
             Some((_, lines)) => lines.push(line),
             None => all.push(((*name).to_string(), vec![line])),
@@ -173,7 +188,7 @@ fn figures(row: &Row, measured: &Tradeoffs) -> String {
         n => format!(", {n} rays out of steps"),
     };
     format!(
-        "{time}, hits off by up to {} px, {} false hits, {} false misses{lost}, rms {} of 255",
+        "{time}, largest depth error {} px, {} false hits, {} false misses{lost}, rms {} of 255",
         digits(errors.depth[2]),
         errors.false_hits,
         errors.false_misses,

@@ -1,7 +1,9 @@
 //! What was measured, as data: `--json` writes it as it is, and `--csv` writes its settings.
 
+use crate::explain::Set;
 use sdf_lang::{Accuracy, Coordinates, Correction};
-use sdfc::tradeoff::{self, Knob, Row, Tradeoffs};
+use sdfc::tradeoff::{self, Bounds, Knob, Row, Tradeoffs};
+use sdfc::{Options, Quality};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -14,11 +16,17 @@ pub struct Report {
     pub size: (u32, u32),
     /// Their time, in seconds.
     pub time: f64,
+    /// The preset that was given beside the file.
+    pub quality: Option<&'static str>,
+    /// The params that are frozen.
+    pub set: Vec<Set>,
     /// How times were taken, if they were.
     pub timing: Option<Timing>,
     /// What is known of the truth.
     pub truth: Truth,
-    /// Each setting with what it costs and how far off it is, the scene's own first.
+    /// The name of the setting that the bounds choose, if there are any and one satisfies them.
+    pub chosen: Option<String>,
+    /// Each setting with what it costs and how far off it is, that first which times are compared with.
     pub settings: Vec<Measured>,
 }
 
@@ -132,17 +140,21 @@ const COLUMNS: [&str; 31] = [
 
 impl Report {
     /// Of a scene that was measured.
-    pub fn of(scene: &str, time: f64, measured: &Tradeoffs) -> Report {
+    pub fn of(scene: &str, time: f64, options: &Options, bounds: &Bounds, measured: &Tradeoffs) -> Report {
+        let chosen = if *bounds == Bounds::default() { None } else { bounds.choose(measured) };
         Report {
             scene: scene.to_string(),
             size: measured.size,
             time,
+            quality: options.quality.map(Quality::word),
+            set: options.set.iter().cloned().map(|(name, value)| Set { name, value }).collect(),
             timing: measured.timing.as_ref().map(Timing::of),
             truth: Truth {
                 pixels: measured.truth.pixels(),
                 proved: measured.truth.is_proved,
                 undecided: measured.truth.undecided(),
             },
+            chosen: chosen.map(|place| measured.rows[place].setting.name.clone()),
             settings: measured.rows.iter().map(Measured::of).collect(),
         }
     }
@@ -267,6 +279,8 @@ fn knob(knob: Knob) -> &'static str {
 mod tests {
     use super::{Report, quoted};
     use crate::tradeoffs::sample::{measured, untimed};
+    use sdfc::Options;
+    use sdfc::tradeoff::Bounds;
     use serde_json::Value;
 
     /// The keys of a setting, those of its settings in their place.
@@ -278,7 +292,13 @@ mod tests {
 
     #[test]
     fn columns_are_the_keys_of_json() {
-        let report = Report::of("a.sdf", 0.5, &measured(&[(2.0, 1.0), (1.0, 4.0)]));
+        let report = Report::of(
+            "a.sdf",
+            0.5,
+            &Options::default(),
+            &Bounds::default(),
+            &measured(&[(2.0, 1.0), (1.0, 4.0)]),
+        );
         let json: Value = serde_json::from_str(&report.json()).unwrap();
         let csv = report.csv();
         let mut lines = csv.lines();
@@ -303,7 +323,10 @@ mod tests {
     #[test]
     fn json_has_what_was_measured() {
         let measured = measured(&[(2.0, 1.5), (1.0, 4.0)]);
-        let json: Value = serde_json::from_str(&Report::of("a.sdf", 0.5, &measured).json()).unwrap();
+        let json: Value = serde_json::from_str(
+            &Report::of("a.sdf", 0.5, &Options::default(), &Bounds::default(), &measured).json(),
+        )
+        .unwrap();
         let pixels = measured.truth.pixels();
         assert_eq!((&json["scene"], &json["time"]), (&"a.sdf".into(), &0.5.into()));
         assert_eq!((&json["size"], &json["truth"]["pixels"]), (&serde_json::json!([8, 4]), &pixels.into()));
@@ -317,7 +340,7 @@ mod tests {
 
     #[test]
     fn where_there_is_no_time_nothing_stands() {
-        let report = Report::of("a.sdf", 0.0, &untimed());
+        let report = Report::of("a.sdf", 0.0, &Options::default(), &Bounds::default(), &untimed());
         let json: Value = serde_json::from_str(&report.json()).unwrap();
         assert_eq!((&json["timing"], &json["settings"][0]["time_ms"]), (&Value::Null, &Value::Null));
         let csv = report.csv();

@@ -46,7 +46,7 @@ impl<'a> Measuring<'a> {
         let budget = budget.map(|seconds| Duration::from_secs_f64(seconds / f64::from(times)));
         Measuring {
             session: Session::new(subject, compared, near.unwrap_or(NEAR)),
-            stopwatch: budget.map(|budget| Stopwatch { device, frame, budget }),
+            stopwatch: budget.map(|budget| Stopwatch { device, frame, budget, enough: None }),
             progress: Progress::new("measuring"),
             compiled,
             times,

@@ -76,7 +76,7 @@ pub fn run(arguments: &CostArguments, terminal: &Terminal) -> Result<(), Failure
     let measured = measuring.measure(&wanted, terminal, &mut clock).map(Tradeoffs::without_repetitions)?;
     measuring.end();
     page::note_fallback(&measured, terminal);
-    clock.time("write", || outputs.write(&source.name, arguments.time, &measured))?;
+    clock.time("write", || outputs.write(&source.name, arguments, &options, &measured))?;
     if !outputs.has_standard_output() {
         let text = if arguments.why {
             why::page(&source.name, &measured)

@@ -6,6 +6,7 @@ use crate::arguments::CostArguments;
 use crate::failure::Failure;
 use crate::input::is_dash;
 use crate::output::Output;
+use sdfc::Options;
 use sdfc::tradeoff::Tradeoffs;
 use std::path::Path;
 
@@ -55,11 +56,18 @@ impl Outputs {
     }
 
     /// Writes all of them.
-    pub fn write(&self, scene: &str, time: f64, measured: &Tradeoffs) -> Result<(), Failure> {
+    pub fn write(
+        &self,
+        scene: &str,
+        arguments: &CostArguments,
+        options: &Options,
+        measured: &Tradeoffs,
+    ) -> Result<(), Failure> {
+        let report = Report::of(scene, arguments.time, options, &arguments.bounds.bounds(), measured);
         for (form, output) in &self.0 {
             let text = match form {
-                Form::Json => Report::of(scene, time, measured).json(),
-                Form::Csv => Report::of(scene, time, measured).csv(),
+                Form::Json => report.json(),
+                Form::Csv => report.csv(),
                 Form::Svg => plot::plot(scene, measured).svg,
                 Form::Html => web::page(scene, measured),
             };

@@ -3,7 +3,7 @@
 use super::why::digits;
 use crate::output::aligned;
 use crate::terminal::Terminal;
-use sdfc::tradeoff::{Bounds, Row, Tradeoffs, Truth};
+use sdfc::tradeoff::{Bounds, NEAR, Row, Tradeoffs, Truth};
 
 /// The name of a column, and what stands in it.
 pub type Column = (&'static str, fn(&Row) -> String);
@@ -47,7 +47,7 @@ pub fn page(name: &str, measured: &Tradeoffs, bounds: Bounds) -> String {
         out.push_str(line);
     }
     out.push('\n');
-    out.push_str(LEGEND);
+    out.push_str(&legend(bounds.error.unwrap_or(NEAR)));
     if bounds != Bounds::default() {
         out.push_str(&match bounds.choose(measured) {
             Some(place) => {
@@ -71,7 +71,13 @@ pub fn head(name: &str, measured: &Tradeoffs) -> String {
         None => "No times were taken.".to_string(),
     };
     let proof = proof(&measured.truth);
-    format!("{name}: errors are of {width}x{height} pixels; {proof}.\n{timed}\n")
+    let smaller = match &measured.timing {
+        Some(timing) if timing.size != measured.size => {
+            ", other than are timed, so that comparing ends soon (`--compare`)"
+        }
+        _ => "",
+    };
+    format!("{name}: errors are of {width}x{height} pixels{smaller}; {proof}.\n{timed}\n")
 }
 
 /// Of how many pixels the truth is proved, as a clause.
@@ -87,14 +93,22 @@ pub fn proof(truth: &Truth) -> String {
     }
 }
 
-/// What the columns are.
-const LEGEND: &str = "\
-* no other setting is as fast and as exact. Evaluations of the field are of all of a pixel's rays, steps of that from the eye.
-lost: out of steps. false: hits where no surface is so near, and misses of one that is there. depth: how far hits are from the
-surface, in px along the normal. normal: what 99 % of the normals are off at most. flicker: pixels that change as the true
-ones do not when the camera moves by 0.01 px. rms: to the true colours of the same rays, in codes of 255; seen: pixels that
-are off by more than 4 codes. aliasing: rms to the mean of each pixel's area.
-";
+/// What the columns and some of the rows are; hits are false beyond `near` pixels.
+fn legend(near: f64) -> String {
+    format!(
+        "\
+* no other setting is as fast and as exact, of those that a scene can ask for with as many rays a pixel.
+Evaluations of the field are of all of a pixel's rays, steps of that from the eye. lost: out of steps. false: hits of what the ray
+does not meet, with no surface within {near} px, and misses of what it meets. depth: how far hits are from the surface, in px along
+the normal. normal: what 99 % of the normals are off at most. flicker: pixels that change as the true ones do not when the camera
+moves by 0.01 px. rms: to the true colours of the same rays, in codes of 255. seen: pixels that are off by more than 4 codes.
+aliasing: rms to the mean of each pixel's area. Estimates from one pixel in sixteen: aliasing; and of settings with several rays a
+pixel flicker, rms and seen.
+For comparison alone: factors make each step that share of the distance, in place of the correction that is derived from the slopes,
+of which the safe one is proved; coordinates are relative to the world or the camera, of which one is chosen else.
+"
+    )
+}
 
 /// Says that the device is not what was preferred, where that is so.
 pub fn note_fallback(measured: &Tradeoffs, terminal: &Terminal) {

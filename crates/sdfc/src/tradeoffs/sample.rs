@@ -1,7 +1,7 @@
 //! What a small scene is measured to be, with figures of one's own, for tests.
 
 use sdf_lang::{Accuracy, Quality};
-use sdfc::tradeoff::{NEAR, Row, Session, Subject, Time, Timing, Tradeoffs, frontier, settings};
+use sdfc::tradeoff::{NEAR, Point, Row, Session, Subject, Time, Timing, Tradeoffs, frontier, settings};
 use sdfc::{Clock, Frame, Options};
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ pub fn measured(figures: &[(f64, f64)]) -> Tradeoffs {
     let all = settings(Accuracy::default(), 1.0).into_iter().filter(|s| s.is_own || s.preset.is_some());
     let row = measured.rows[0].clone();
     let on_frontier =
-        frontier(&figures.iter().map(|(time, error)| (Some(*time), *error)).collect::<Vec<_>>());
+        frontier(&figures.iter().map(|(time, error)| Some(point(*time, *error))).collect::<Vec<_>>());
     let rows = figures.iter().zip(all).zip(on_frontier).map(|(((time, error), setting), on_frontier)| {
         let milliseconds = |t: f64| Duration::from_secs_f64(t / 1e3);
         let (median, spread) = (milliseconds(*time), milliseconds(time / 10.0));
@@ -39,4 +39,8 @@ pub fn untimed() -> Tradeoffs {
     let own = &settings(Accuracy::default(), 1.0)[..1];
     let session = Session::new(subject, Frame::new(8, 4), NEAR);
     session.measure(own, None, &|_| {}, &mut Clock::default()).expect("the scene has no mistakes")
+}
+
+fn point(time: f64, error: f64) -> Point {
+    Point { time: [time, 0.0], error, evaluations: 1.0 }
 }

@@ -192,7 +192,7 @@ impl Study {
             best.map(|(place, _)| place).ok_or(format!("no setting can be `{what}`"))
         };
         let draft = least("draft", &|_| true, &|s| [s.time, s.rms])?;
-        let balanced = least("balanced", &|s| s.wrong == 0, &|s| [s.time, s.rms])?;
+        let balanced = least("balanced", &|s| s.wrong == 0 && s.rms <= HALF_A_CODE, &|s| [s.time, s.rms])?;
         let is_right = |s: &Standing| near(s) && s.wrong == 0;
         let fewest = standings.iter().filter(|s| is_right(s)).map(|s| s.lost).min().unwrap_or(0);
         let exact = least("exact", &|s| s.wrong == 0 && s.lost == fewest, &|s| [s.depth, s.rms])?;
@@ -211,6 +211,8 @@ impl Study {
 pub const OVER: f64 = 1.10;
 /// The same on the worst of them.
 pub const WORST: f64 = 1.3;
+/// What colours of 8 bits cannot hold.
+const HALF_A_CODE: f64 = 0.5;
 /// Errors below this are nobody's: a thousandth of a code.
 const LEAST_RMS: f64 = 1e-3;
 
@@ -283,8 +285,9 @@ rms, in the geometric mean over the examples and on the worst. False hits and mi
 depth is how far a hit is off at most. Compared with the truth were: {list}.
 
 A preset lies at most {OVER} above the frontier in the mean and {WORST} on the worst example. Of those settings that do, `draft` is the fastest;
-`balanced`, which is what a scene has that says nothing, is the fastest without a false hit or miss;
-`exact` has none either, the fewest lost rays and the least error of the depth, and of those as near the least rms; and `fine` is the fastest whose rms is no larger
+`balanced`, which is what a scene has that says nothing, is the fastest without a false hit or miss, and with an rms of at most half
+a code, which is what 8 bits cannot hold;
+`exact` has no false hit or miss either, the fewest lost rays and the least error of the depth, and of those as near the least rms; and `fine` is the fastest whose rms is no larger
 than the geometric mean of the two.",
         device = adapter::title(),
         w = frame.width,

@@ -27,7 +27,7 @@ fn study(candidates: Vec<Candidate>) -> Study {
 fn what_is_slow_for_its_error_is_no_preset() {
     let study = study(vec![
         candidate(1.0, [1.0, 1.0], [4.0, 4.0], 3),
-        candidate(0.3, [1.05, 1.05], [1.0, 1.0], 0),
+        candidate(0.3, [1.05, 1.05], [0.4, 0.4], 0),
         candidate(0.1, [1.2, 1.2], [0.2, 0.2], 0),
         // As exact as the one before, and a third slower on one example.
         candidate(0.05, [1.2, 1.6], [0.2, 0.2], 0),
@@ -42,6 +42,6 @@ fn what_is_slow_for_its_error_is_no_preset() {
 
 #[test]
 fn what_is_wrong_is_none_of_the_last_three() {
-    let study = study(vec![candidate(1.0, [1.0; 2], [4.0; 2], 1), candidate(0.1, [1.5; 2], [1.0; 2], 2)]);
+    let study = study(vec![candidate(1.0, [1.0; 2], [4.0; 2], 1), candidate(0.1, [1.05; 2], [0.3; 2], 2)]);
     assert!(study.derived().is_err_and(|error| error.contains("balanced")));
 }

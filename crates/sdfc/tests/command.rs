@@ -292,7 +292,7 @@ fn the_target_must_be_known() {
 #[test]
 fn a_call_must_make_sense() {
     refused_call("", &["Usage"]);
-    refused_call("--size 1x1", &["--size"]);
+    refused_call("--view depth", &["--view"]);
     refused_call("render scene.sdf", &["--output"]);
     refused_call("scene.sdf render scene.sdf -o out.png", &["stands behind it"]);
     for size in ["0x4", "4x", "4", "20000x4", "16384x16384", "-4x4"] {

@@ -151,10 +151,13 @@ pub fn neighbours(setting: &Setting) -> Vec<(Setting, Option<(&'static str, Stri
     all
 }
 
+/// What is changed, and how it is taken over from another setting.
+type Change = (Knob, fn(&mut Accuracy, Accuracy));
+
 /// The way from one setting to another, a change at a time: each with what was changed last. Both ends are in it.
 pub fn walk(from: &Setting, to: &Setting) -> Vec<Setting> {
     let end = to.accuracy;
-    let changes: [(Knob, fn(&mut Accuracy, Accuracy)); 9] = [
+    let changes: [Change; 9] = [
         (Knob::Correction, |a, b| a.correction = b.correction),
         (Knob::Relaxation, |a, b| a.relax = b.relax),
         (Knob::Normals, |a, b| a.normals = b.normals),

@@ -39,15 +39,15 @@ pub fn page(scene: &str, measured: &Tradeoffs) -> String {
 
 /// The plot with a link upon each point.
 fn marked(plot: Plot, measured: &Tradeoffs) -> String {
-    let mark = |(i, (row, place)): (usize, (&Row, &Option<(i32, i32)>))| {
-        let (x, y) = (*place)?;
+    let mark = |(i, row): (usize, &Row)| {
+        let (x, y) = plot.places[i]?;
         let text = escaped(&format!("{}: {}", row.setting.name, figures(row)));
         Some(format!(
             "<a class=\"mark\" href=\"#s{i}\" data-row=\"{i}\" aria-label=\"{text}\"><title>{text}</title>\
              <circle cx=\"{x}\" cy=\"{y}\" r=\"10\"/></a>\n"
         ))
     };
-    let marks: String = measured.rows.iter().zip(&plot.places).enumerate().filter_map(mark).collect();
+    let marks: String = measured.rows.iter().enumerate().filter_map(mark).collect();
     let (drawn, end) = plot.svg.rsplit_once("</svg>").expect("a plot ends");
     format!("{drawn}{marks}</svg>{end}")
 }

@@ -28,9 +28,9 @@ fn what_is_slow_for_its_error_is_no_preset() {
     let study = study(vec![
         candidate(1.0, [1.0, 1.0], [4.0, 4.0], 3),
         candidate(0.3, [1.05, 1.05], [0.4, 0.4], 0),
-        candidate(0.1, [1.2, 1.2], [0.2, 0.2], 0),
+        candidate(0.1, [1.2, 1.2], [0.1, 0.1], 0),
         // As exact as the one before, and a third slower on one example.
-        candidate(0.05, [1.2, 1.6], [0.2, 0.2], 0),
+        candidate(0.05, [1.2, 1.6], [0.1, 0.1], 0),
         candidate(0.01, [1.3, 1.3], [0.05, 0.05], 0),
     ]);
     let derived = study.derived().expect("all four");

@@ -22,7 +22,7 @@ const LEAST: usize = 3;
 /// How many rounds are enough where nobody says.
 pub(crate) const ENOUGH: usize = 51;
 /// Which share of the time may go by before the first round.
-const WARMING: f64 = 0.7;
+const WARMING: f64 = 0.85;
 
 /// What came of a race.
 #[derive(Debug, Clone, PartialEq)]

@@ -23,7 +23,7 @@ pub struct CostArguments {
     #[arg(long, value_name = "DEVICE", default_value = "auto", value_parser = device)]
     pub device: Device,
     /// For about how long pictures are timed, in seconds; to find the truth and to compare with it comes on top
-    #[arg(long, value_name = "SECONDS", default_value = "45", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value = "40", value_parser = budget, conflicts_with = "no_time", allow_negative_numbers = true)]
     pub budget: f64,
     /// Take no times: what is printed is then the same on every machine
     #[arg(long)]

@@ -22,6 +22,7 @@ pub use truth::{NEAR, Truth};
 
 use crate::draw::DrawError;
 use sdf_syntax::Diagnostic;
+use serde::Serialize;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -47,7 +48,7 @@ impl Tradeoffs {
 }
 
 /// How times were taken.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timing {
     /// What drew.
     pub device: String,

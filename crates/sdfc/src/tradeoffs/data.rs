@@ -2,7 +2,7 @@
 
 use crate::explain::Set;
 use sdf_lang::{Accuracy, Coordinates, Correction};
-use sdfc::tradeoff::{self, Bounds, Knob, Row, Tradeoffs};
+use sdfc::tradeoff::{Bounds, Knob, Row, Timing, Tradeoffs};
 use sdfc::{Options, Quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -30,21 +30,6 @@ pub struct Report {
     pub settings: Vec<Measured>,
 }
 
-/// How times were taken.
-#[derive(Debug, Serialize)]
-pub struct Timing {
-    /// What drew.
-    pub device: String,
-    /// Why it is not what was preferred, where that is so.
-    pub fallback: Option<String>,
-    /// By which clock.
-    pub clock: &'static str,
-    /// The size of the pictures that were timed, in pixels.
-    pub size: (u32, u32),
-    /// How often each was drawn.
-    pub rounds: usize,
-}
-
 /// How many pixels a picture has; whether what they truly show is proved, or else only computed; and of how many it is not
 /// known: they count as nobody's errors.
 #[derive(Debug, Serialize)]
@@ -54,7 +39,7 @@ pub struct Truth {
     pub undecided: usize,
 }
 
-/// A setting, measured. What the errors are [`tradeoff::Errors`] says.
+/// A setting, measured. What the errors are [`Errors`](sdfc::tradeoff::Errors) says.
 #[derive(Debug, Serialize)]
 pub struct Measured {
     pub name: String,
@@ -148,7 +133,7 @@ impl Report {
             time,
             quality: options.quality.map(Quality::word),
             set: options.set.iter().cloned().map(|(name, value)| Set { name, value }).collect(),
-            timing: measured.timing.as_ref().map(Timing::of),
+            timing: measured.timing.clone(),
             truth: Truth {
                 pixels: measured.truth.pixels(),
                 proved: measured.truth.is_proved,
@@ -189,18 +174,6 @@ fn quoted(text: &str) -> String {
     match text.contains(['"', ',', '\n', '\r']) {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_string(),
-    }
-}
-
-impl Timing {
-    fn of(timing: &tradeoff::Timing) -> Timing {
-        Timing {
-            device: timing.device.clone(),
-            fallback: timing.fallback.clone(),
-            clock: timing.clock,
-            size: timing.size,
-            rounds: timing.rounds,
-        }
     }
 }
 

@@ -21,8 +21,6 @@ const WARM: Duration = Duration::from_millis(300);
 const LEAST: usize = 3;
 /// How many rounds are enough where nobody says.
 pub(crate) const ENOUGH: usize = 51;
-/// Which share of the time may go by before the first round.
-const WARMING: f64 = 0.85;
 
 /// What came of a race.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,7 +139,7 @@ fn on_gpu(
     let draw = |prepared: &Prepared| prepared.draw(size[0].max(size[1]), &mut |_, _| {}).map_err(failed);
     let tell = || progress((begin.elapsed().as_secs_f64() / budget.as_secs_f64().max(1e-3)).min(1.0));
     let prepare = |(i, shader): (usize, &&Shader)| -> Result<Option<Prepared>, DrawError> {
-        if i > 0 && begin.elapsed() > budget.mul_f64(WARMING) {
+        if i > 0 && begin.elapsed() > budget {
             return Ok(None);
         }
         let text = shader.text(crate::Target::Wgsl).map_err(DrawError::Shader)?;
